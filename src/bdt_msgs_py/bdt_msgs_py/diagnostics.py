@@ -1,0 +1,59 @@
+"""Health of a node on /diagnostics, once a second of wall time."""
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.topics import DIAGNOSTICS
+
+PERIOD = 1.0
+"""Time between two messages [s]."""
+
+
+class Health(NamedTuple):
+    """State of a node: well or not, one line, and numbers with their names."""
+
+    well: bool
+    summary: str
+    values: Mapping[str, object]
+
+
+class DiagnosticsPublisher:
+    """Publishes what `report` returns as one status.
+
+    The timer runs on the steady clock: a plant that waits does not advance simulated time, and
+    just then its health is of interest.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        Node whose health it is.
+    report : callable
+        Returns the current :class:`Health`.
+    """
+
+    def __init__(self, node: Node, report: Callable[[], Health]) -> None:
+        self._node = node
+        self._report = report
+        self._publisher = node.create_publisher(
+            DiagnosticArray, DIAGNOSTICS.name, qos_profile(DIAGNOSTICS)
+        )
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timer = node.create_timer(PERIOD, self.publish, clock=steady)
+
+    def publish(self) -> None:
+        """Publish the health now."""
+        well, summary, values = self._report()
+        status = DiagnosticStatus(
+            level=DiagnosticStatus.OK if well else DiagnosticStatus.WARN,
+            name=self._node.get_fully_qualified_name(),
+            message=summary,
+            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+        )
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(message)

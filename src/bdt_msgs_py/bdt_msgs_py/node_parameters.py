@@ -1,0 +1,165 @@
+"""Parameter dataclasses as ROS parameters: declared with descriptors, read back, validated."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, TypeVar
+
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.exceptions import ParameterException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from bdt_msgs_py.quantities import Quantity, check, quantities_of
+
+Parameters = TypeVar("Parameters")
+
+
+class ConfigurationError(ValueError):
+    """A parameter that a user can set is unknown, of the wrong type or out of range."""
+
+
+def declare(node: Node, prefix: str, parameters: type[Parameters]) -> Parameters:
+    """Declare every field of a parameter dataclass and return it with the values in force.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        Node that gets the parameters.
+    prefix : str
+        For example ``motor`` for parameters named ``motor.inductance``; may be empty.
+    parameters : type
+        Dataclass whose fields are quantities, each with a default.
+
+    Raises
+    ------
+    ConfigurationError
+        With one line that names the parameter, the value and what is allowed.
+    """
+    values = {}
+    for name, default, described in quantities_of(parameters):
+        full_name = f"{prefix}.{name}" if prefix else name
+        initial = list(default) if isinstance(default, tuple) else default
+        try:
+            value = node.declare_parameter(
+                full_name, initial, _descriptor(default, described)
+            ).value
+        except ParameterException as error:
+            given = _override(node, full_name)
+            raise ConfigurationError(
+                f"parameter {full_name} = {given!r}: must be {_type_name(default)}, "
+                f"{described.allowed()}"
+            ) from error
+        values[name] = tuple(value) if isinstance(default, tuple) else value
+        try:
+            check(f"parameter {full_name}", values[name], default, described)
+        except ValueError as error:
+            raise ConfigurationError(str(error)) from error
+    try:
+        return parameters(**values)
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error
+
+
+def declare_all(node: Node, parameters: Sequence[tuple[str, type[Any]]]) -> list[Any]:
+    """Declare all parameters of a node and refuse values given for any other name.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        Node that gets the parameters.
+    parameters : sequence of (str, type)
+        Prefixes and dataclasses, see :func:`declare`.
+
+    Returns
+    -------
+    list
+        One instance of each dataclass, with the values in force.
+
+    Raises
+    ------
+    ConfigurationError
+        With one line that names the parameter, the value and what is allowed. rclpy alone would
+        ignore a misspelt name.
+    """
+    declared = [declare(node, prefix, kind) for prefix, kind in parameters]
+    # rclpy has no public way to see the overrides of parameters that were never declared.
+    for name, override in node._parameter_overrides.items():
+        if not node.has_parameter(name) and not name.startswith("qos_overrides."):
+            raise ConfigurationError(
+                f"parameter {name} = {override.value!r}: "
+                f"is not a parameter of {node.get_fully_qualified_name()}"
+            )
+    return declared
+
+
+def reconfigured(current: Parameters, prefix: str, changes: list[Parameter]) -> Parameters:
+    """Return `current` with the changes that concern it.
+
+    Parameters
+    ----------
+    current : dataclass
+        Values in force.
+    prefix : str
+        The prefix it was declared with.
+    changes : list of rclpy.parameter.Parameter
+        What a caller of the parameter service asks for, of any prefix.
+
+    Raises
+    ------
+    ValueError
+        If the result would not be valid.
+    """
+    lead = f"{prefix}." if prefix else ""
+    known = {f"{lead}{name}": (name, default) for name, default, _ in quantities_of(current)}
+    values: dict[str, Any] = {}
+    for change in changes:
+        if change.name in known:
+            name, default = known[change.name]
+            values[name] = tuple(change.value) if isinstance(default, tuple) else change.value
+    return replace(current, **values) if values else current  # type: ignore[type-var]
+
+
+def accepted() -> SetParametersResult:
+    """Return the answer to a valid request of the parameter service."""
+    return SetParametersResult(successful=True)
+
+
+def refused(reason: str) -> SetParametersResult:
+    """Return the answer to an invalid request, with one line that says why."""
+    return SetParametersResult(successful=False, reason=reason)
+
+
+def _override(node: Node, name: str) -> Any:
+    override = node._parameter_overrides.get(name)
+    return None if override is None else override.value
+
+
+def _type_name(default: Any) -> str:
+    names = {bool: "true or false", int: "an integer", float: "a number like 1.0", str: "a text"}
+    if isinstance(default, tuple):
+        return f"a list, each {names[type(default[0])]}"
+    return names[type(default)]
+
+
+def _descriptor(default: Any, described: Quantity) -> ParameterDescriptor:
+    unit = f" [{described.unit}]" if described.unit else ""
+    descriptor = ParameterDescriptor(
+        description=described.description + unit,
+        additional_constraints=described.allowed(),
+        read_only=not described.reconfigurable,
+    )
+    low, high = described.minimum, described.maximum
+    if low is None or high is None:
+        return descriptor
+    if type(default) is float:
+        descriptor.floating_point_range = [
+            FloatingPointRange(from_value=float(low), to_value=float(high), step=0.0)
+        ]
+    elif type(default) is int:
+        descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=1)]
+    return descriptor

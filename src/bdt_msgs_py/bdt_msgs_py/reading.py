@@ -1,0 +1,94 @@
+"""Messages of the public interface as numbers and numpy arrays.
+
+The readers accept rclpy's messages and those of rosbags alike, so a bag needs no ROS.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_msgs_py.topics import MOTOR_JOINT
+
+NANOSECONDS_PER_SECOND = 1_000_000_000
+NEVER = (2**31 - 1) * NANOSECONDS_PER_SECOND
+"""Latest whole second that a stamp can hold [ns]."""
+
+
+def nanoseconds_from_stamp(stamp: Any) -> int:
+    """Return the time [ns] of a ``builtin_interfaces/Time``; integers compare without rounding."""
+    return int(stamp.sec) * NANOSECONDS_PER_SECOND + int(stamp.nanosec)
+
+
+def nanoseconds_from_seconds(time: float) -> int:
+    """Return a time [s] of a telemetry row as the nearest nanosecond."""
+    return round(time * NANOSECONDS_PER_SECOND)
+
+
+def read_position(message: Any, joint: str) -> tuple[int, float]:
+    """Return ``(stamp [ns], position [m or rad])`` of `joint` in a JointState.
+
+    Raises
+    ------
+    ValueError
+        If the message does not carry exactly that joint with one position.
+    """
+    _require_joint(message, joint, "position")
+    return nanoseconds_from_stamp(message.header.stamp), float(message.position[0])
+
+
+def read_voltage(message: Any) -> tuple[int, float]:
+    """Return ``(stamp [ns], motor voltage [V])`` of a command.
+
+    Raises
+    ------
+    ValueError
+        If the message does not carry exactly the joint ``motor`` with one effort.
+    """
+    _require_joint(message, MOTOR_JOINT, "effort")
+    return nanoseconds_from_stamp(message.header.stamp), float(message.effort[0])
+
+
+def read_samples(message: Any, columns: Sequence[str]) -> NDArray[np.float64]:
+    """Return the rows of a Float64MultiArray written by :func:`bdt_msgs_py.writing.sample_message`.
+
+    Parameters
+    ----------
+    message : Float64MultiArray
+        Telemetry or truth.
+    columns : sequence of str
+        The labels that the message must have.
+
+    Returns
+    -------
+    ndarray, shape (n, len(columns))
+        A view of the message's data where possible; do not write to it.
+
+    Raises
+    ------
+    ValueError
+        If labels, sizes and data do not agree.
+    """
+    dimensions = message.layout.dim
+    labels = dimensions[1].label if len(dimensions) == 2 else ""
+    if labels != ",".join(columns):
+        raise ValueError(f"sample columns {labels!r}: must be {','.join(columns)!r}")
+    data = np.asarray(message.data, dtype=np.float64)
+    width = len(columns)
+    offset = int(message.layout.data_offset)
+    count = int(dimensions[0].size)
+    if int(dimensions[1].size) != width or data.size - offset != count * width:
+        raise ValueError(
+            f"{data.size} values with offset {offset}: must be {count} rows of {width} columns"
+        )
+    return data[offset:].reshape(count, width)
+
+
+def _require_joint(message: Any, joint: str, quantity: str) -> None:
+    values = getattr(message, quantity)
+    if len(message.name) != 1 or message.name[0] != joint or len(values) != 1:
+        raise ValueError(
+            f"JointState with names {list(message.name)} and {len(values)} {quantity} values: "
+            f"must be the joint {joint} with one {quantity}"
+        )

@@ -1,0 +1,130 @@
+"""Every topic of the project: name, type, quality of service and content.
+
+Pure data, so that tools that read bags need no rclpy. The names are relative: a namespace or a
+remap rule moves all of them. :mod:`bdt_msgs_py.qos` turns a :class:`Topic` into a QoSProfile.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic of the public interface.
+
+    Attributes
+    ----------
+    name : str
+        Relative topic name (absolute for the names that ROS fixes).
+    message_type : str
+        ROS type name, for example ``sensor_msgs/msg/JointState``.
+    content : str
+        What a message says, with units.
+    reliable : bool
+        Reliable or best-effort delivery.
+    transient_local : bool
+        True when a late subscriber receives the last message.
+    depth : int
+        Length of the history.
+    """
+
+    name: str
+    message_type: str
+    content: str
+    reliable: bool = True
+    transient_local: bool = False
+    depth: int = 10
+
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+SAMPLES = "std_msgs/msg/Float64MultiArray"
+
+MEASUREMENT = Topic(
+    "measurement",
+    JOINT_STATE,
+    "joint platform_3, position q3 [m]; stamp = sample time",
+)
+COMMAND = Topic(
+    "command",
+    JOINT_STATE,
+    "joint motor, effort = motor voltage u [V], the effort variable of the electrical domain; "
+    "stamp = stamp of the measurement it answers",
+)
+REFERENCE = Topic(
+    "reference",
+    JOINT_STATE,
+    "joint platform_3, position r [m]; stamp = time from which it holds",
+    transient_local=True,
+    depth=1,
+)
+TELEMETRY = Topic(
+    "telemetry",
+    SAMPLES,
+    "rows of (t [s], u [V], q3 [m]) at the sampling rate",
+    depth=100,
+)
+TRUTH = Topic(
+    "truth",
+    SAMPLES,
+    "rows of (t [s], theta_m [rad], theta_d [rad], gap [rad], q1 [m], q2 [m], q3 [m]) at the "
+    "control rate; known to a simulator only, read by neither controller nor twin",
+    reliable=False,
+)
+BACKLASH_ESTIMATE = Topic(
+    "backlash_estimate",
+    JOINT_STATE,
+    "joint backlash_gap, position = estimate [rad]; stamp = time of the newest sample used",
+    transient_local=True,
+    depth=1,
+)
+PROGRESS = Topic(
+    "progress",
+    "sensor_msgs/msg/TimeReference",
+    "source = node that keeps step with a lockstep plant, stamp = newest telemetry sample it "
+    "took, time_ref = simulated time before which it will not act on the loop",
+    depth=100,
+)
+CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock", "simulated time", reliable=False, depth=1)
+DIAGNOSTICS = Topic(
+    "/diagnostics",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "health of each node, once a second of wall time",
+)
+PARAMETER_EVENTS = Topic(
+    "/parameter_events",
+    "rcl_interfaces/msg/ParameterEvent",
+    "every parameter that changed; a reconfiguration of the dead zone is one of them",
+    depth=1000,
+)
+
+ALL_TOPICS = (
+    MEASUREMENT,
+    COMMAND,
+    REFERENCE,
+    TELEMETRY,
+    TRUTH,
+    BACKLASH_ESTIMATE,
+    PROGRESS,
+    CLOCK,
+    DIAGNOSTICS,
+    PARAMETER_EVENTS,
+)
+
+PLATFORM_JOINT = "platform_3"
+MOTOR_JOINT = "motor"
+GAP_JOINT = "backlash_gap"
+
+TELEMETRY_COLUMNS = ("t[s]", "u[V]", "q3[m]")
+TRUTH_COLUMNS = (
+    "t[s]",
+    "theta_m[rad]",
+    "theta_d[rad]",
+    "gap[rad]",
+    "q1[m]",
+    "q2[m]",
+    "q3[m]",
+)
+
+PLANT_NODE = "plant"
+CONTROLLER_NODE = "controller"
+TWIN_NODE = "twin"
+DEAD_ZONE_PARAMETER = "dead_zone_tolerance"

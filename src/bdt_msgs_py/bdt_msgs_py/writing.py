@@ -1,0 +1,110 @@
+"""Numbers and numpy arrays as messages of the public interface."""
+
+from array import array
+from collections.abc import Sequence
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState, TimeReference
+from std_msgs.msg import Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
+
+from bdt_msgs_py.reading import NANOSECONDS_PER_SECOND, NEVER
+from bdt_msgs_py.topics import GAP_JOINT, MOTOR_JOINT, PLATFORM_JOINT
+
+
+def stamp_from_nanoseconds(nanoseconds: int) -> Time:
+    """Return the message ``builtin_interfaces/Time`` for a time [ns]."""
+    seconds, rest = divmod(nanoseconds, NANOSECONDS_PER_SECOND)
+    return Time(sec=seconds, nanosec=rest)
+
+
+def platform_position(stamp: int, position: float) -> JointState:
+    """Return a measurement or a reference.
+
+    Parameters
+    ----------
+    stamp : int
+        Sample time, or time from which the reference holds [ns].
+    position : float
+        Position of platform 3 [m].
+    """
+    return _joint_position(PLATFORM_JOINT, stamp, position)
+
+
+def gap_estimate(stamp: int, gap: float) -> JointState:
+    """Return an estimate of the backlash gap: `stamp` of its newest sample [ns], `gap` [rad]."""
+    return _joint_position(GAP_JOINT, stamp, gap)
+
+
+def motor_voltage(stamp: int, voltage: float) -> JointState:
+    """Return a command.
+
+    The voltage stands in the ``effort`` field: it is the effort variable of the electrical domain.
+
+    Parameters
+    ----------
+    stamp : int
+        Stamp of the measurement that the command answers [ns].
+    voltage : float
+        Motor voltage u [V].
+    """
+    return JointState(
+        header=Header(stamp=stamp_from_nanoseconds(stamp)),
+        name=[MOTOR_JOINT],
+        effort=array("d", (voltage,)),
+    )
+
+
+def progress(node: str, telemetry_end: int, acts_at: int | None) -> TimeReference:
+    """Return the word of a node that keeps step with a lockstep plant.
+
+    Parameters
+    ----------
+    node : str
+        Name of the node.
+    telemetry_end : int
+        Stamp of the newest telemetry sample that the node took [ns].
+    acts_at : int or None
+        Simulated time before which the node will not act on the loop [ns]; None for never, as
+        far as the telemetry up to `telemetry_end` tells.
+    """
+    return TimeReference(
+        header=Header(stamp=stamp_from_nanoseconds(telemetry_end)),
+        time_ref=stamp_from_nanoseconds(NEVER if acts_at is None else acts_at),
+        source=node,
+    )
+
+
+def sample_message(rows: NDArray[np.float64], columns: Sequence[str]) -> Float64MultiArray:
+    """Return telemetry or truth with one row a sample.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (n, len(columns))
+        Samples, oldest first.
+    columns : sequence of str
+        Column labels with units, written into the layout.
+
+    Raises
+    ------
+    ValueError
+        If the shape does not fit the columns.
+    """
+    if rows.ndim != 2 or rows.shape[1] != len(columns):
+        raise ValueError(f"rows of shape {rows.shape}: must be (n, {len(columns)})")
+    count, width = rows.shape
+    # One bulk copy: rclpy converts a list of floats element by element, 30 to 100 times slower.
+    data = array("d")
+    data.frombytes(np.ascontiguousarray(rows, dtype=np.float64).tobytes())
+    samples = MultiArrayDimension(label="sample", size=count, stride=count * width)
+    labels = MultiArrayDimension(label=",".join(columns), size=width, stride=width)
+    return Float64MultiArray(layout=MultiArrayLayout(dim=[samples, labels]), data=data)
+
+
+def _joint_position(joint: str, stamp: int, position: float) -> JointState:
+    return JointState(
+        header=Header(stamp=stamp_from_nanoseconds(stamp)),
+        name=[joint],
+        position=array("d", (position,)),
+    )
