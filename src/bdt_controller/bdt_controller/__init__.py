@@ -1,0 +1,1 @@
+"""Controller: PID with filtered derivative and a switched dead zone."""

@@ -1,0 +1,1 @@
+"""Plant: DC motor, lead screw with growing backlash, flexible three-mass structure."""

@@ -1,0 +1,37 @@
+"""Lead screw (eq. 1) with backlash (eq. 6)."""
+
+import math
+from dataclasses import dataclass
+
+from bdt_msgs_py.quantities import quantity, validate
+
+
+@dataclass(frozen=True)
+class LeadScrewParameters:
+    """Geometry of the lead screw (table 1)."""
+
+    pitch: float = quantity(
+        1e-3 / (2 * math.pi), "m/rad", "pitch p: travel per radian", minimum=1e-9, maximum=1e3
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+def play(theta_d: float, theta_m: float, gap: float) -> float:
+    """Return the angle of the lead screw after the motor moved to `theta_m` (eq. 6).
+
+    Over one sample in which the motor turns monotonically, integrating eq. 6 exactly gives the
+    play operator: the screw stays where it is as long as it is within half a gap of the motor.
+
+    Parameters
+    ----------
+    theta_d : float
+        Angle of the lead screw before [rad].
+    theta_m : float
+        Angle of the motor now [rad].
+    gap : float
+        Backlash gap theta_b now [rad], not negative.
+    """
+    half = 0.5 * gap
+    return min(max(theta_d, theta_m - half), theta_m + half)

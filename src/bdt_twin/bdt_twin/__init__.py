@@ -1,0 +1,1 @@
+"""Digital twin: estimates the backlash gap and reconfigures the controller's dead zone."""

@@ -1,0 +1,140 @@
+"""Angles on both sides of the backlash from voltage and position (eqs 10 and 11), as a stream."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.signal import lfilter
+
+from bdt_plant.motor import discretize_motor
+from bdt_plant.plant import PlantModel
+from bdt_plant.structure import structure_state_space
+
+Filter = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+class Angles(NamedTuple):
+    """Estimated angles [rad] of the same samples: motor theta_m, lead screw theta_d."""
+
+    theta_m: NDArray[np.float64]
+    theta_d: NDArray[np.float64]
+
+
+def motor_filter(model: PlantModel, sample_time: float) -> Filter:
+    """Return G1(z) of eq. 10: eq. 2 with a zero-order hold, from voltage to motor angle.
+
+    Parameters
+    ----------
+    model : PlantModel
+        Constants of the mechanism.
+    sample_time : float
+        Sample time [s].
+
+    Returns
+    -------
+    numerator, denominator : ndarray
+        Coefficients of falling powers of z.
+    """
+    current, speed, angle = discretize_motor(model.motor, sample_time)
+    a = np.array([(*current[:2], 0.0), (*speed[:2], 0.0), (*angle[:2], 1.0)])
+    b = np.array([current[2:], speed[2:], angle[2:]])
+    angle_of_state = np.array([[0.0, 0.0, 1.0]])
+    denominator = _characteristic_polynomial(a)
+    return _characteristic_polynomial(a - b @ angle_of_state) - denominator, denominator
+
+
+def structure_filter(model: PlantModel, sample_time: float) -> Filter:
+    """Return G2(z) of eq. 11: eq. 3 made discrete by impulse invariance, from d to q3.
+
+    The impulse response of eq. 3 begins at zero, so the pole excess is one, and the remaining
+    zeros lie inside the unit circle: the inverse is stable.
+
+    Returns
+    -------
+    numerator, denominator : ndarray
+        Coefficients of falling powers of z; the first coefficient of the numerator is zero.
+    """
+    a, b = structure_state_space(model.structure)
+    # A unit impulse of d is a position impulse plus a velocity doublet; the latter is a b_v.
+    from_impulse = b[:, 0] + a @ b[:, 1]
+    one_sample = expm(a * sample_time)
+    denominator = _characteristic_polynomial(one_sample)
+    state, response = from_impulse, [0.0]
+    for _ in range(4):
+        state = one_sample @ state
+        response.append(sample_time * float(state[2]))
+    numerator: NDArray[np.float64] = np.convolve(response, denominator)[:4]
+    return numerator, denominator
+
+
+def _characteristic_polynomial(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.poly(matrix), dtype=np.float64)
+
+
+class AngleObserver:
+    """Streaming form of eqs 10 and 11: batches of any length give the same angles.
+
+    Parameters
+    ----------
+    model : PlantModel
+        Constants of the mechanism.
+    sample_time : float
+        Sample time [s].
+    delay : int
+        Delay N [samples] of both filters, at least the pole excess of G2(z), which is one.
+        Output sample n belongs to input sample n - N.
+
+    Raises
+    ------
+    ValueError
+        If `delay` is less than one.
+    """
+
+    def __init__(self, model: PlantModel, sample_time: float, delay: int) -> None:
+        if delay < 1:
+            raise ValueError(f"delay = {delay} samples: must be 1 or more for a causal inverse")
+        self.delay = delay
+        self._pitch = model.lead_screw.pitch
+        self._motor_b, self._motor_a = motor_filter(model, sample_time)
+        numerator, self._inverse_b = structure_filter(model, sample_time)
+        self._inverse_a = numerator[1:]
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget all samples; the mechanism is taken to be at rest before the next one."""
+        self._motor_memory = np.zeros(len(self._motor_a) - 1)
+        self._inverse_memory = np.zeros(len(self._inverse_b) - 1)
+        self._voltages = np.zeros(self.delay)
+        self._positions = np.zeros(self.delay - 1)
+        self._rest_position: float | None = None
+
+    def update(self, voltage: NDArray[np.float64], position: NDArray[np.float64]) -> Angles:
+        """Return the angles of the next batch.
+
+        Parameters
+        ----------
+        voltage, position : ndarray, shape (n,)
+            Motor voltage u [V] and position q3 of platform 3 [m].
+
+        Returns
+        -------
+        Angles
+            Arrays of shape (n,), delayed by ``delay`` samples. Offsets are those of a motor that
+            starts at the angle zero.
+        """
+        if self._rest_position is None and position.size:
+            self._rest_position = float(position[0])
+        rest = self._rest_position or 0.0
+        voltages = np.concatenate([self._voltages, voltage])
+        # Dividing by the numerator without its leading zero advances by one sample: one less here.
+        positions = np.concatenate([self._positions, position - rest])
+        self._voltages = voltages[voltage.size :]
+        self._positions = positions[position.size :]
+        theta_m, self._motor_memory = lfilter(
+            self._motor_b, self._motor_a, voltages[: voltage.size], zi=self._motor_memory
+        )
+        d, self._inverse_memory = lfilter(
+            self._inverse_b, self._inverse_a, positions[: position.size], zi=self._inverse_memory
+        )
+        return Angles(theta_m, (d + rest) / self._pitch)
