@@ -1,0 +1,27 @@
+"""Build file of bdt_controller, for colcon and for pip."""
+
+from setuptools import find_packages, setup
+
+package_name = "bdt_controller"
+
+setup(
+    name=package_name,
+    version="0.1.0",
+    packages=find_packages(),
+    package_data={package_name: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
+        (f"share/{package_name}", ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+    maintainer="Backlash Digital Twin developers",
+    maintainer_email="maintainers@backlash-digital-twin.invalid",
+    description="PID position controller with a reconfigurable dead zone",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "controller_node = bdt_controller.controller_node:main",
+        ],
+    },
+)

@@ -1,0 +1,18 @@
+"""Parameters of the plant node: which dataclass declares which names."""
+
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.lead_screw import LeadScrewParameters
+from bdt_plant.motor import MotorParameters
+from bdt_plant.plant import Sampling
+from bdt_plant.plant_settings import PlantSettings
+from bdt_plant.structure import StructureParameters
+
+PARAMETERS = (
+    ("", PlantSettings),
+    ("", Sampling),
+    ("motor", MotorParameters),
+    ("lead_screw", LeadScrewParameters),
+    ("structure", StructureParameters),
+    ("gap", GapProfile),
+)
+"""Prefix and dataclass, in the order in which the node declares them."""

@@ -1,0 +1,27 @@
+"""Build file of bdt_plant, for colcon and for pip."""
+
+from setuptools import find_packages, setup
+
+package_name = "bdt_plant"
+
+setup(
+    name=package_name,
+    version="0.1.0",
+    packages=find_packages(),
+    package_data={package_name: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
+        (f"share/{package_name}", ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+    maintainer="Backlash Digital Twin developers",
+    maintainer_email="maintainers@backlash-digital-twin.invalid",
+    description="Plant simulator: DC motor, lead screw with growing backlash, flexible structure",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "plant_node = bdt_plant.plant_node:main",
+        ],
+    },
+)

@@ -1,0 +1,16 @@
+"""Parameters of the twin node: which dataclass declares which names."""
+
+from bdt_plant.lead_screw import LeadScrewParameters
+from bdt_plant.motor import MotorParameters
+from bdt_plant.structure import StructureParameters
+from bdt_twin.inverse_filter import InverseFilterSettings
+from bdt_twin.twin_settings import TwinSettings
+
+PARAMETERS = (
+    ("", TwinSettings),
+    ("estimator", InverseFilterSettings),
+    ("motor", MotorParameters),
+    ("lead_screw", LeadScrewParameters),
+    ("structure", StructureParameters),
+)
+"""Prefix and dataclass, in the order in which the node declares them."""

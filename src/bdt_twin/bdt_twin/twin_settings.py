@@ -1,0 +1,31 @@
+"""Settings of the twin node that are about its link to the controller."""
+
+from dataclasses import dataclass
+
+from bdt_msgs_py.quantities import quantity, validate
+from bdt_msgs_py.topics import CONTROLLER_NODE
+
+
+@dataclass(frozen=True)
+class TwinSettings:
+    """What the twin does with its estimates."""
+
+    reconfigure: bool = quantity(True, "", "set the controller's dead zone; false to estimate only")
+    communication_delay: float = quantity(
+        1.0,
+        "s",
+        "simulated time from the end of a telemetry batch to the controller's new dead zone",
+        minimum=0.0,
+        maximum=1e4,
+    )
+    controller_node: str = quantity(CONTROLLER_NODE, "", "name of the node whose dead zone is set")
+    service_timeout: float = quantity(
+        2.0,
+        "s",
+        "wall time after which an unanswered reconfiguration counts as failed",
+        minimum=0.01,
+        maximum=1e4,
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
