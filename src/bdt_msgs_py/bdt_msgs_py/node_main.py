@@ -63,7 +63,7 @@ def run_node(create: Callable[[], Node], args: list[str] | None) -> int:
 
 
 def _spin(executor: SingleThreadedExecutor, node: Node) -> None:
-    finished: Future | None = getattr(node, "finished", None)
+    finished: Future[None] | None = getattr(node, "finished", None)
     if finished is None:
         executor.spin()
         return

@@ -60,7 +60,7 @@ class PlantNode(Node):
             self, PARAMETERS
         )
         model = PlantModel(motor, lead_screw, structure)
-        self.finished = Future()
+        self.finished: Future[None] = Future()
         self._simulator = PlantSimulator(model, profile, self._sampling)
         self._followers = Followers(self._settings.lockstep_followers)
         self._end = round(self._settings.duration * self._sampling.sampling_rate) or math.inf

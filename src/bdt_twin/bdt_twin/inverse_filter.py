@@ -121,9 +121,11 @@ def contact_sums(
     block : int
         Number of samples in a block.
     """
-    moving = np.abs(np.diff(theta_d)) > velocity_threshold * sample_time
-    motor = np.diff(theta_m)
-    forward, backward = moving & (motor > 0), moving & (motor < 0)
+    threshold = velocity_threshold * sample_time
+    screw, motor = np.diff(theta_d), np.diff(theta_m)
+    # By eq. 6 a screw that moves turns with the motor. Around a reversal the inverse filter leaves
+    # a few samples with opposite signs; one of them alone in a window would make the gap zero.
+    forward, backward = (screw > threshold) & (motor > 0), (screw < -threshold) & (motor < 0)
     difference = np.rad2deg(theta_m[1:] - theta_d[1:]) / (0.5 * rounding)
     columns = (
         forward,

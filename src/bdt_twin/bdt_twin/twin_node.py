@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rcl_interfaces.srv import SetParameters
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -74,7 +75,7 @@ class TwinNode(Node):
         self._arrival_timer: Timer | None = None
         self._answer_timer: Timer | None = None
         self._in_flight: Reconfiguration | None = None
-        self._answer: Future | None = None
+        self._answer: Future[SetParameters.Response] | None = None
         self._controller = AsyncParameterClient(self, self._settings.controller_node)
         self._estimate_publisher = self.create_publisher(
             JointState, BACKLASH_ESTIMATE.name, qos_profile(BACKLASH_ESTIMATE)
@@ -149,10 +150,12 @@ class TwinNode(Node):
         if due is not None:
             self._arrival_timer = self.create_timer((due - now) * 1e-9, self._deliver)
 
-    def _take_answer(self, answer: Future) -> None:
+    def _take_answer(self, answer: "Future[SetParameters.Response]") -> None:
         if answer is not self._answer or answer.cancelled():
             return
-        (result,) = answer.result().results
+        response = answer.result()
+        assert response is not None
+        (result,) = response.results
         if result.successful:
             self._reconfigurations += 1
         else:

@@ -1,0 +1,142 @@
+"""The command ``bdt``: run the loop, analyze a bag."""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from bdt_bringup.bag_reader import BagError
+from bdt_bringup.configuration import BadInputError, load_configuration
+from bdt_bringup.run_plan import plan_run
+from bdt_bringup.step_table import step_table
+from bdt_msgs_py.node_main import BAD_INPUT, FAILED, LoopError
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command; the console script ``bdt``."""
+    sys.exit(run_command(arguments))
+
+
+def run_command(arguments: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Command line without the program's name; None for ``sys.argv``.
+
+    Returns
+    -------
+    int
+        0 for success, 1 when the loop failed, 2 for bad input, 130 after Ctrl-C.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        return int(options.command(options))
+    except (BadInputError, BagError) as error:
+        return _complain(str(error), BAD_INPUT)
+    except LoopError as error:
+        return _complain(str(error), FAILED)
+    except KeyboardInterrupt:
+        return _complain("interrupted", INTERRUPTED)
+
+
+def _run(options: argparse.Namespace) -> int:
+    # The loop starts without waiting for the plotting libraries, and a bag needs no rclpy.
+    from bdt_bringup.run import run_loop  # noqa: PLC0415
+
+    plan = plan_run(
+        load_configuration(options.config),
+        mode=options.mode,
+        duration=options.duration,
+        processes=options.processes,
+        output=options.output,
+        record=options.bag,
+    )
+    try:
+        run_loop(plan)
+    except KeyboardInterrupt:
+        kept = f"; what was recorded is in {plan.bag}" if plan.record else ""
+        return _complain(f"interrupted{kept}", INTERRUPTED)
+    if plan.record:
+        _report(plan.bag, plan.output, as_json=options.json)
+    return 0
+
+
+def _analyze(options: argparse.Namespace) -> int:
+    beside = options.bag.parent / f"{options.bag.name}_report"
+    _report(options.bag, options.output or beside, as_json=options.json)
+    return 0
+
+
+def _report(bag: Path, output: Path, *, as_json: bool) -> None:
+    from bdt_bringup.analyze import analyze  # noqa: PLC0415
+    from bdt_bringup.report import verdict  # noqa: PLC0415
+
+    summary = analyze(bag, output)
+    if as_json:
+        print(json.dumps(summary.to_dictionary(), indent=2))
+        return
+    console = Console()
+    console.print(step_table(summary))
+    result = verdict(summary)
+    console.print(f"{result.headline}: {result.details}", soft_wrap=True, highlight=False)
+    console.print(f"report: {output / 'report.html'}", soft_wrap=True, highlight=False)
+
+
+def _complain(reason: str, code: int) -> int:
+    print(f"error: {reason}", file=sys.stderr)
+    return code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="bdt",
+        description="Position control of a flexible structure whose lead screw wears out: "
+        "plant, dead-zone controller and digital twin as ROS 2 nodes.",
+    )
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    run = commands.add_parser(
+        "run",
+        help="start the nodes, record a bag, write a report",
+        description="Start plant, controller, twin and recorder, and analyze what they recorded.",
+    )
+    run.add_argument("--config", type=Path, metavar="FILE", help="ROS parameter file (config/)")
+    run.add_argument(
+        "--mode",
+        choices=("lockstep", "realtime"),
+        help="simulated time as fast as it goes, or at the pace of the wall clock",
+    )
+    run.add_argument("--duration", type=float, metavar="S", help="simulated time [s]")
+    run.add_argument(
+        "--processes",
+        choices=("separate", "single"),
+        default="separate",
+        help="one process for each node (default), or all nodes in one",
+    )
+    run.add_argument("--output", type=Path, metavar="DIR", help="new folder for bag and report")
+    run.add_argument("--no-bag", dest="bag", action="store_false", help="record nothing")
+    run.add_argument("--json", action="store_true", help="print summary.json")
+    run.set_defaults(command=_run)
+    analyze_command = commands.add_parser(
+        "analyze",
+        help="write report.html and summary.json for a bag",
+        description="Analyze a bag; needs no ROS and leaves the bag as it is.",
+    )
+    analyze_command.add_argument("bag", type=Path, metavar="BAG", help="rosbag2 folder or file")
+    analyze_command.add_argument(
+        "--output", type=Path, metavar="DIR", help="folder for the report (default: BAG_report)"
+    )
+    analyze_command.add_argument("--json", action="store_true", help="print summary.json")
+    analyze_command.set_defaults(command=_analyze)
+    return parser
+
+
+if __name__ == "__main__":
+    main()
