@@ -1,0 +1,1 @@
+"""Interfaces of the ROS 2 package rcl_interfaces."""

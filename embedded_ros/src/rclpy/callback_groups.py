@@ -1,0 +1,76 @@
+"""Which callbacks may run at the same time."""
+
+import weakref
+from threading import Lock
+from typing import Any
+
+__all__ = ["CallbackGroup", "MutuallyExclusiveCallbackGroup", "ReentrantCallbackGroup"]
+
+
+class CallbackGroup:
+    """Base of the groups that control whether callbacks run in parallel."""
+
+    def __init__(self) -> None:
+        self.entities: set[weakref.ref[Any]] = set()
+
+    def add_entity(self, entity: Any) -> None:
+        """Put an entity into the group."""
+        self.entities.add(weakref.ref(entity))
+
+    def has_entity(self, entity: Any) -> bool:
+        """Tell whether an entity is in the group."""
+        return weakref.ref(entity) in self.entities
+
+    def can_execute(self, entity: Any) -> bool:
+        """Tell whether the callback of an entity may run now."""
+        raise NotImplementedError
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """Claim the right to run; False if it is not to be had now."""
+        raise NotImplementedError
+
+    def ending_execution(self, entity: Any) -> None:
+        """Give the right back."""
+        raise NotImplementedError
+
+
+class ReentrantCallbackGroup(CallbackGroup):
+    """Callbacks run in parallel without restriction."""
+
+    def can_execute(self, entity: Any) -> bool:  # noqa: ARG002
+        """Tell whether the callback of an entity may run now: always."""
+        return True
+
+    def beginning_execution(self, entity: Any) -> bool:  # noqa: ARG002
+        """Claim the right to run: always granted."""
+        return True
+
+    def ending_execution(self, entity: Any) -> None:
+        """Give the right back."""
+
+
+class MutuallyExclusiveCallbackGroup(CallbackGroup):
+    """One callback at a time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._active_entity: Any = None
+        self._lock = Lock()
+
+    def can_execute(self, entity: Any) -> bool:  # noqa: ARG002
+        """Tell whether the callback of an entity may run now."""
+        return self._active_entity is None
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """Claim the right to run; False while another callback runs."""
+        with self._lock:
+            if self._active_entity is None:
+                self._active_entity = entity
+                return True
+        return False
+
+    def ending_execution(self, entity: Any) -> None:
+        """Give the right back."""
+        with self._lock:
+            assert self._active_entity is entity
+            self._active_entity = None

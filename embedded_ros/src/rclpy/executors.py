@@ -1,0 +1,505 @@
+"""Executors: they wait for what happens and run the callbacks."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import os
+import threading
+import time
+import warnings
+from collections import deque
+from collections.abc import Callable, Coroutine
+from types import CoroutineType, TracebackType
+from typing import TYPE_CHECKING, Any
+
+from embedded_ros import cyclone, interrupts
+from rclpy.client import Client
+from rclpy.context import Context
+from rclpy.exceptions import NotInitializedException
+from rclpy.guard_condition import GuardCondition
+from rclpy.service import Service
+from rclpy.subscription import Subscription
+from rclpy.task import Future, Task
+from rclpy.timer import Timer
+from rclpy.utilities import get_default_context, timeout_sec_to_nsec
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+__all__ = [
+    "ConditionReachedException",
+    "Executor",
+    "ExternalShutdownException",
+    "MultiThreadedExecutor",
+    "ShutdownException",
+    "SingleThreadedExecutor",
+    "TimeoutException",
+]
+
+Watched = Subscription | GuardCondition | Client | Service
+Entity = Timer | Watched
+Work = Task | tuple[Entity, Any]
+
+# rclpy serves the entities of a node in this order.
+_ORDER: dict[type, int] = {Timer: 0, Subscription: 1, GuardCondition: 2, Client: 3, Service: 4}
+
+
+class TimeoutException(Exception):
+    """Nothing happened in time."""
+
+
+class ShutdownException(Exception):
+    """The executor is shut down."""
+
+
+class ExternalShutdownException(Exception):
+    """The context was shut down while the executor waited."""
+
+
+class ConditionReachedException(Exception):
+    """The future to wait for is done."""
+
+
+def _never() -> bool:
+    return False
+
+
+class Executor:
+    """Base of the executors.
+
+    Parameters
+    ----------
+    context : Context, optional
+        The default context by default.
+    """
+
+    def __init__(self, *, context: Context | None = None) -> None:
+        self._context = get_default_context() if context is None else context
+        session = self._context.handle
+        if session is None:
+            raise NotInitializedException("cannot create an executor")
+        self._nodes: list[Node] = []
+        self._nodes_lock = threading.RLock()
+        self._is_shutdown = False
+        self._guard = cyclone.GuardCondition(session.ref)
+        self._wait_set = cyclone.WaitSet(session.ref)
+        self._wait_set.attach(self._guard.ref)
+        # What the wait set watches, by the number that it reports.
+        self._attached: dict[int, Watched] = {}
+        self._timers: list[Timer] = []
+        self._entities_changed = True
+        # Entities or timers that are due while another callback of their group runs. They are not
+        # watched meanwhile: they would wake the wait set again and again.
+        self._has_blocked = False
+        self._ready: deque[Entity] = deque()
+        self._tasks: deque[Task] = deque()
+        # Coroutines that yielded without waiting for anything: they go on after a look around.
+        self._yielded: deque[Task] = deque()
+        session.register(self)
+        if session.valid:
+            # The context may come from another thread, which cannot set this up.
+            interrupts.watch(session)
+        self._context.on_shutdown(self.wake)
+
+    @property
+    def context(self) -> Context:
+        """Context of the executor."""
+        return self._context
+
+    def create_task(
+        self, callback: Callable[..., Any] | Coroutine[Any, Any, Any], *args: Any, **kwargs: Any
+    ) -> Task:
+        """Have a function or coroutine run, with arguments.
+
+        Returns
+        -------
+        Task
+            Future of the result.
+        """
+        task = Task(callback, args, kwargs, executor=self)
+        self._tasks.append(task)
+        self._guard.set()
+        return task
+
+    def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002
+        """Stop running callbacks and let go of the nodes.
+
+        Parameters
+        ----------
+        timeout_sec : float, optional
+            How long to wait for callbacks that run in other threads; for ever by default. Here
+            there are none: see :class:`MultiThreadedExecutor`.
+
+        Returns
+        -------
+        bool
+            False if some still run.
+        """
+        self._is_shutdown = True
+        self._guard.set()
+        with self._nodes_lock:
+            self._nodes = []
+            self._wait_set.close()
+            self._guard.close()
+            self._attached = {}
+            self._timers = []
+        self._ready.clear()
+        return True
+
+    def add_node(self, node: Node) -> bool:
+        """Run the callbacks of a node; False if that is done already."""
+        with self._nodes_lock:
+            if node in self._nodes:
+                return False
+            self._nodes.append(node)
+        node.executor = self
+        self.wake()
+        return True
+
+    def remove_node(self, node: Node) -> None:
+        """Run the callbacks of a node no more."""
+        with self._nodes_lock:
+            if node not in self._nodes:
+                return
+            self._nodes.remove(node)
+        self.wake()
+
+    def get_nodes(self) -> list[Node]:
+        """Nodes whose callbacks are run."""
+        with self._nodes_lock:
+            return list(self._nodes)
+
+    def wake(self) -> None:
+        """Look at the nodes again: an entity was made or destroyed."""
+        self._entities_changed = True
+        self._guard.set()
+
+    def interrupt(self) -> None:
+        """Come out of the wait to see whether the context is shut down."""
+        self._guard.set()
+
+    def spin(self) -> None:
+        """Run callbacks until the context or the executor is shut down.
+
+        Raises
+        ------
+        ExternalShutdownException
+            If the context is shut down while this waits.
+        """
+        while self._context.ok() and not self._is_shutdown:
+            self.spin_once()
+
+    def spin_until_future_complete(
+        self, future: Future[Any], timeout_sec: float | None = None
+    ) -> None:
+        """Run callbacks until a future is done or a timeout is over."""
+        future.add_done_callback(lambda _: self.interrupt())
+        deadline = None
+        if timeout_sec is not None and timeout_sec >= 0:
+            deadline = time.monotonic() + timeout_sec
+        while self._context.ok() and not future.done() and not self._is_shutdown:
+            left = None if deadline is None else max(0.0, deadline - time.monotonic())
+            self.spin_once_until_future_complete(future, left)
+            if deadline is not None and time.monotonic() >= deadline:
+                return
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Run one callback, or return after a timeout.
+
+        Parameters
+        ----------
+        timeout_sec : float, optional
+            None or negative: for ever; 0: do not wait.
+        """
+        raise NotImplementedError
+
+    def spin_once_until_future_complete(
+        self, future: Future[Any], timeout_sec: float | None = None
+    ) -> None:
+        """Run one callback, or return when a future is done or after a timeout."""
+        raise NotImplementedError
+
+    def __enter__(self) -> Executor:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+    ) -> None:
+        self.shutdown()
+
+    # ------------------------------------------------------------------ waiting
+
+    def _next_work(
+        self, timeout_sec: float | None, condition: Callable[[], bool] = _never
+    ) -> Work | None:
+        """Wait for something to do; None if the time is over, or the condition or shutdown came."""
+        timeout = timeout_sec_to_nsec(timeout_sec)
+        deadline = None if timeout < 0 else time.monotonic_ns() + timeout
+        while not self._is_shutdown and not condition():
+            if self._tasks:
+                return self._tasks.popleft()
+            while self._ready:
+                entity = self._ready.popleft()
+                taken = self._claim(entity)
+                if taken is not None:
+                    return entity, taken
+            if self._entities_changed:
+                self._update_wait_set()
+            left = cyclone.INFINITE if deadline is None else deadline - time.monotonic_ns()
+            fired = self._wait_set.wait(self._shortened(left))
+            if self._is_shutdown:
+                return None
+            if not self._context.ok():
+                raise ExternalShutdownException
+            if self._guard.ref in fired:
+                self._guard.clear()
+            self._note_ready(fired)
+            if self._yielded:
+                self._tasks.extend(self._yielded)
+                self._yielded.clear()
+            if left <= 0 and not self._ready and not self._tasks:
+                return None
+        return None
+
+    def _shortened(self, left: int) -> int:
+        """Time to wait: up to `left`, not beyond the next timer."""
+        if self._yielded or self._tasks or self._entities_changed:
+            return 0
+        for timer in self._timers:
+            until = timer._nanoseconds_left()
+            if until is None or until >= left:
+                continue
+            group = timer.callback_group
+            if until == 0 and group is not None and not group.can_execute(timer):
+                self._has_blocked = True
+                if not group.can_execute(timer):
+                    continue
+            left = until
+        return max(left, 0)
+
+    def _note_ready(self, fired: list[int]) -> None:
+        ready: list[Entity] = [timer for timer in self._timers if timer._nanoseconds_left() == 0]
+        ready += [self._attached[ref] for ref in fired if ref in self._attached]
+        if len(ready) > 1:
+            ready.sort(key=lambda entity: _ORDER[type(entity)])
+        self._ready.extend(ready)
+
+    def _update_wait_set(self) -> None:
+        self._entities_changed = False
+        # Up while we look: who releases a group meanwhile must wake us to look again.
+        self._has_blocked = True
+        found_blocked = False
+        wanted: dict[int, Watched] = {}
+        timers: list[Timer] = []
+        for node in self.get_nodes():
+            timers.extend(node.timers)
+            watched: tuple[Watched, ...] = (
+                *node.subscriptions,
+                *node.guards,
+                *node.clients,
+                *node.services,
+            )
+            for entity in watched:
+                group = entity.callback_group
+                if group is None or group.can_execute(entity):
+                    wanted[entity._wait_ref] = entity
+                else:
+                    found_blocked = True
+        self._has_blocked = found_blocked
+        with self._nodes_lock:
+            if self._is_shutdown:
+                return
+            for ref in self._attached.keys() - wanted.keys():
+                self._wait_set.detach(ref)
+            for ref in wanted.keys() - self._attached.keys():
+                self._wait_set.attach(ref)
+            self._attached = wanted
+            self._timers = timers
+        known = {*map(id, wanted.values()), *map(id, timers)}
+        for gone in [entity for entity in self._ready if id(entity) not in known]:
+            self._ready.remove(gone)
+
+    # ------------------------------------------------------------------ running
+
+    def _claim(self, entity: Entity) -> Any:
+        """Take what an entity has, if its group lets its callback run now."""
+        group = entity.callback_group
+        if group is not None and not group.beginning_execution(entity):
+            # Marked first: the group may be released at this very moment.
+            self._has_blocked = True
+            self._entities_changed = True
+            return None
+        try:
+            taken = entity._take()
+        except BaseException:
+            self._release(entity)
+            raise
+        if taken is None:
+            self._release(entity)
+        return taken
+
+    def _release(self, entity: Entity) -> None:
+        if entity.callback_group is not None:
+            entity.callback_group.ending_execution(entity)
+        if self._has_blocked:
+            self.wake()
+
+    def _run(self, work: Work) -> None:
+        """Run a callback; its exception comes out of here."""
+        if isinstance(work, Task):
+            self._step(work)
+            return
+        entity, taken = work
+        is_suspended = False
+        try:
+            result = self._call(entity, taken)
+            if result.__class__ is CoroutineType:
+                task = Task(_and_then(result, lambda: self._release(entity)), executor=self)
+                is_suspended = True
+                self._step(task)
+        finally:
+            if not is_suspended:
+                self._release(entity)
+
+    def _call(self, entity: Entity, taken: Any) -> Any:
+        if isinstance(entity, Service):
+            header, request = taken
+            response = entity.callback(request, entity.srv_type.Response())
+            if response.__class__ is CoroutineType:
+                return _answer(entity, header, response)
+            entity.send_response(response, header)
+            return None
+        if isinstance(taken, tuple):
+            callback, arguments = taken
+            if isinstance(entity, Client):
+                callback.__self__._set_executor(self)
+            return callback(*arguments)
+        return taken()
+
+    def _step(self, task: Task) -> None:
+        task()
+        if task.done():
+            error = task.exception()
+            if error is not None:
+                raise error
+        elif task._awaited is not None:
+            # Through this executor's queue: whoever sets the result must not run the coroutine.
+            task._awaited.add_done_callback(lambda _: self._resume(task))
+        elif not task.cancelled():
+            self._yielded.append(task)
+
+    def _resume(self, task: Task) -> None:
+        self._tasks.append(task)
+        self._guard.set()
+
+
+async def _and_then(coroutine: Coroutine[Any, Any, Any], finish: Callable[[], None]) -> Any:
+    try:
+        return await coroutine
+    finally:
+        finish()
+
+
+async def _answer(service: Service, header: Any, response: Coroutine[Any, Any, Any]) -> None:
+    service.send_response(await response, header)
+
+
+class SingleThreadedExecutor(Executor):
+    """Runs callbacks in the thread that spins."""
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Run one callback, or return after a timeout.
+
+        Parameters
+        ----------
+        timeout_sec : float, optional
+            None or negative: for ever; 0: do not wait.
+        """
+        work = self._next_work(timeout_sec)
+        if work is not None:
+            self._run(work)
+
+    def spin_once_until_future_complete(
+        self, future: Future[Any], timeout_sec: float | None = None
+    ) -> None:
+        """Run one callback, or return when a future is done or after a timeout."""
+        work = self._next_work(timeout_sec, future.done)
+        if work is not None:
+            self._run(work)
+
+
+class MultiThreadedExecutor(Executor):
+    """Runs callbacks in a pool of threads.
+
+    Parameters
+    ----------
+    num_threads : int, optional
+        As many as the process may use processors by default.
+    context : Context, optional
+        The default context by default.
+    """
+
+    def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
+        super().__init__(context=context)
+        if num_threads is None:
+            num_threads = len(os.sched_getaffinity(0))
+        if num_threads == 1:
+            warnings.warn(
+                "MultiThreadedExecutor is used with a single thread.\n"
+                "Use the SingleThreadedExecutor instead.",
+                stacklevel=2,
+            )
+        self._pool = concurrent.futures.ThreadPoolExecutor(num_threads)
+        self._running: list[concurrent.futures.Future[None]] = []
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Start one callback, or return after a timeout.
+
+        Parameters
+        ----------
+        timeout_sec : float, optional
+            None or negative: for ever; 0: do not wait.
+        """
+        self._start_work(timeout_sec, _never)
+
+    def spin_once_until_future_complete(
+        self, future: Future[Any], timeout_sec: float | None = None
+    ) -> None:
+        """Start one callback, or return when a future is done or after a timeout."""
+        self._start_work(timeout_sec, future.done)
+
+    def _start_work(self, timeout_sec: float | None, condition: Callable[[], bool]) -> None:
+        try:
+            work = self._next_work(timeout_sec, lambda: condition() or self._has_failed())
+        except ExternalShutdownException:
+            return  # this executor only returns, as in rclpy
+        if work is not None:
+            self._running.append(self._pool.submit(self._run_and_report, work))
+        for running in [running for running in self._running if running.done()]:
+            self._running.remove(running)
+            running.result()  # raises what the callback raised
+
+    def _run_and_report(self, work: Work) -> None:
+        try:
+            self._run(work)
+        except BaseException:
+            self.interrupt()
+            raise
+
+    def _has_failed(self) -> bool:
+        return any(running.done() and running.exception() for running in self._running)
+
+    def shutdown(self, timeout_sec: float | None = None) -> bool:
+        """Stop running callbacks, wait for those that run and end the threads.
+
+        Called in a callback it does not wait, as that would be for itself.
+        """
+        super().shutdown(timeout_sec)
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        if threading.current_thread() in self._pool._threads:
+            return True
+        timeout = None if timeout_sec is None or timeout_sec < 0 else timeout_sec
+        return not concurrent.futures.wait(self._running, timeout).not_done

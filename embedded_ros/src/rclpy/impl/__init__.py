@@ -1,0 +1,1 @@
+"""Parts of rclpy under the names where user code finds them."""

@@ -1,0 +1,80 @@
+"""The default context and what the package offers for it."""
+
+import sys
+import threading
+from collections.abc import Sequence
+
+from embedded_ros.ros_arguments import parse_arguments, without_ros_arguments
+from rclpy.constants import S_TO_NS
+from rclpy.context import Context
+
+__all__ = [
+    "get_default_context",
+    "get_rmw_implementation_identifier",
+    "ok",
+    "remove_ros_args",
+    "shutdown",
+    "timeout_sec_to_nsec",
+    "try_shutdown",
+]
+
+_lock = threading.RLock()
+_default_context: Context | None = None
+
+
+def get_default_context(*, shutting_down: bool = False) -> Context:
+    """Return the default context; after `shutting_down` the next call makes a new one."""
+    global _default_context
+    with _lock:
+        context = _default_context or Context()
+        _default_context = None if shutting_down else context
+        return context
+
+
+def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
+    """Return the arguments that are not ROS's.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        ``sys.argv`` by default.
+    """
+    words = sys.argv if args is None else args
+    parse_arguments(words)  # malformed ones are an error here, too
+    return without_ros_arguments(words)
+
+
+def ok(*, context: Context | None = None) -> bool:
+    """Tell whether a context is initialized and not shut down."""
+    return (context or get_default_context()).ok()
+
+
+def shutdown(*, context: Context | None = None) -> None:
+    """Shut a context down; by default the default context, which is replaced."""
+    (context or get_default_context(shutting_down=True)).shutdown()
+
+
+def try_shutdown(*, context: Context | None = None) -> None:
+    """Shut a context down unless that has happened."""
+    global _default_context
+    if context is not None:
+        context.try_shutdown()
+        return
+    with _lock:
+        context = get_default_context()
+    context.try_shutdown()
+    with _lock:
+        if _default_context is context and not context.ok():
+            _default_context = None
+
+
+def get_rmw_implementation_identifier() -> str:
+    """Name of the wire protocol's implementation, of which this is a speaker."""
+    return "rmw_cyclonedds_cpp"
+
+
+def timeout_sec_to_nsec(timeout_sec: float | None) -> int:
+    """Nanoseconds of a timeout; -1, for ever, if it is None or negative."""
+    if timeout_sec is None or timeout_sec < 0:
+        return -1
+    return int(float(timeout_sec) * S_TO_NS)

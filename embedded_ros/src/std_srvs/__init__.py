@@ -1,0 +1,1 @@
+"""Interfaces of the ROS 2 package std_srvs."""

@@ -1,0 +1,79 @@
+"""Names: what is valid, how it expands. Texts and positions are those of Jazzy."""
+
+import pytest
+from rclpy.exceptions import (
+    InvalidNamespaceException,
+    InvalidNodeNameException,
+    InvalidServiceNameException,
+    InvalidTopicNameException,
+)
+from rclpy.expand_topic_name import expand_topic_name
+from rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
+from rclpy.validate_full_topic_name import validate_full_topic_name
+from rclpy.validate_namespace import validate_namespace
+from rclpy.validate_node_name import validate_node_name
+from rclpy.validate_topic_name import validate_topic_name
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("chatter", "/ns/chatter"),
+        ("/chatter", "/chatter"),
+        ("~", "/ns/node"),
+        ("~/private", "/ns/node/private"),
+        ("{node}/x", "/ns/node/x"),
+    ],
+)
+def test_expansion(name, expected):
+    assert expand_topic_name(name, "node", "/ns") == expected
+
+
+def test_expansion_in_the_root_namespace():
+    assert expand_topic_name("chatter", "node", "/") == "/chatter"
+    assert expand_topic_name("~/x", "node", "/") == "/node/x"
+
+
+@pytest.mark.parametrize(
+    ("validate", "name", "error", "text"),
+    [
+        (validate_node_name, "", InvalidNodeNameException, "must not be empty"),
+        (validate_node_name, "1a", InvalidNodeNameException, "must not start with a number"),
+        (validate_node_name, "a/b", InvalidNodeNameException, "characters other than"),
+        (validate_node_name, "x" * 256, InvalidNodeNameException, "should not exceed '255'"),
+        (validate_namespace, "a", InvalidNamespaceException, "must be absolute"),
+        (validate_namespace, "/a/", InvalidNamespaceException, "must not end with"),
+        (validate_namespace, "/1a", InvalidNamespaceException, "starts with a number"),
+        (validate_topic_name, "", InvalidTopicNameException, "must not be empty string"),
+        (validate_topic_name, "a/", InvalidTopicNameException, "must not end with a forward slash"),
+        (validate_topic_name, "a~", InvalidTopicNameException, "tilde '~' unless"),
+        (validate_topic_name, "{x", InvalidTopicNameException, "unmatched"),
+        (validate_topic_name, "{1x}", InvalidTopicNameException, "must not start with a number"),
+        (validate_full_topic_name, "a", InvalidTopicNameException, "must be absolute"),
+        (validate_full_topic_name, "/a//b", InvalidTopicNameException, "repeated '/'"),
+    ],
+)
+def test_invalid_names(validate, name, error, text):
+    with pytest.raises(error, match=text.replace("'", ".")):
+        validate(name)
+
+
+def test_the_error_points_at_the_character():
+    with pytest.raises(InvalidTopicNameException) as error:
+        validate_topic_name("a b")
+    assert str(error.value).splitlines()[1:] == ["  'a b'", "    ^"]
+
+
+def test_a_service_name_has_an_error_of_its_own():
+    with pytest.raises(InvalidServiceNameException, match="Invalid service name"):
+        validate_topic_name("a b", is_service=True)
+
+
+@pytest.mark.parametrize("name", ["/", "/a", "/a/b_1"])
+def test_valid_namespaces(name):
+    assert validate_namespace(name) is True
+
+
+def test_hidden_names():
+    assert topic_or_service_is_hidden("/a/_b")
+    assert not topic_or_service_is_hidden("/a/b_")

@@ -1,0 +1,191 @@
+"""Command-line arguments mean what they mean to rcl."""
+
+import pytest
+import rclpy
+from embedded_ros.ros_arguments import parse_arguments
+from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.utilities import remove_ros_args
+
+
+def parameters(*arguments, node="n", namespace="/ns"):
+    return parse_arguments(["program", "--ros-args", *arguments]).parameters_of(node, namespace)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1", 1),
+        ("-3", -3),
+        ("010", 8),
+        ("0x10", 16),
+        ("1.0", 1.0),
+        ("1.", 1.0),
+        ("1e3", 1000.0),
+        ("-.inf", float("-inf")),
+        ("yes", True),
+        ("off", False),
+        ("'yes'", "yes"),
+        ('"5"', "5"),
+        ("!!str 5", "5"),
+        ("1.0.0", "1.0.0"),
+        ("[1, 2]", [1, 2]),
+        ("[1.0, 2.5]", [1.0, 2.5]),
+        ("[a, b]", ["a", "b"]),
+        ("[true, no]", [True, False]),
+        ("99999999999999999999", 99999999999999999999.0),
+    ],
+)
+def test_values_have_the_types_of_rcl(text, value):
+    found = parameters("-p", f"a:={text}")["a"]
+    assert found == value
+    assert type(found) is type(value)
+
+
+def test_not_a_number_is_a_number():
+    assert str(parameters("-p", "a:=.nan")["a"]) == "nan"
+
+
+def test_an_empty_list_is_dropped_as_its_type_is_unknown():
+    assert parameters("-p", "a:=[]") == {}
+
+
+def test_rules_for_a_node_are_for_that_node():
+    rules = ("-p", "n:a:=1", "-p", "other:b:=2", "-p", "c:=3", "-p", "/ns/n:d:=4")
+    assert parameters(*rules, namespace="/") == {"a": 1, "c": 3}
+    assert parameters(*rules) == {"c": 3, "d": 4}
+
+
+def test_the_last_rule_wins():
+    assert parameters("-p", "a:=1", "-p", "a:=2") == {"a": 2}
+
+
+def test_only_what_stands_between_the_marks_is_for_ros():
+    words = ["p", "-p", "x:=1", "--ros-args", "-p", "a:=1", "--", "x", "--ros-args", "-r", "a:=b"]
+    assert remove_ros_args(words) == ["p", "-p", "x:=1", "x"]
+    assert parse_arguments(words).parameters_of("n", "/") == {"a": 1}
+
+
+FILE = """
+/**:
+  ros__parameters:
+    everywhere: 1
+    group: {x: 1.0, y: [a, b]}
+n:
+  ros__parameters: {by_name: true}
+/ns/n:
+  ros__parameters: {by_full_name: 2}
+ns:
+  n:
+    ros__parameters: {by_nesting: 3}
+/*/n:
+  ros__parameters: {by_star: 4}
+/ns/other:
+  ros__parameters: {not_mine: 5}
+"""
+
+
+def test_parameter_files(tmp_path):
+    path = tmp_path / "p.yaml"
+    path.write_text(FILE)
+    everywhere = {"everywhere": 1, "group.x": 1.0, "group.y": ["a", "b"]}
+    in_namespace = {"by_full_name": 2, "by_nesting": 3, "by_star": 4}
+    assert parameters("--params-file", str(path)) == everywhere | in_namespace
+    in_root = parameters("--params-file", str(path), namespace="/")
+    assert in_root == everywhere | {"by_name": True}
+
+
+def test_a_rule_after_a_file_overrides_it(tmp_path):
+    path = tmp_path / "p.yaml"
+    path.write_text("/**: {ros__parameters: {a: 1}}")
+    assert parameters("--params-file", str(path), "-p", "a:=2") == {"a": 2}
+    assert parameters("-p", "a:=2", "--params-file", str(path)) == {"a": 1}
+
+
+@pytest.mark.parametrize(
+    ("content", "text"),
+    [
+        ("/**: {ros__parameters: {a: [1, 2.0]}}", "Sequence should be of same type"),
+        ("/**: {ros__parameters: {a: }}", "No value at line 1"),
+        ("/**: {ros__parameters: 3}", "must be a mapping"),
+        ("ros__parameters: {a: 1}", "below no node name"),
+        ("n: {a: 1}", "'a' stands outside of 'ros__parameters'"),
+        ("a: [", "is not YAML"),
+        ("- a", "must be a mapping"),
+    ],
+)
+def test_a_bad_file_is_named_with_the_reason(tmp_path, content, text):
+    path = tmp_path / "p.yaml"
+    path.write_text(content)
+    with pytest.raises(RCLInvalidROSArgsError) as error:
+        parameters("--params-file", str(path))
+    assert text in str(error.value)
+    assert str(path) in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["-p"],
+        ["-p", "a"],
+        ["-p", ":=1"],
+        ["-p", "1e:=3"],
+        ["-p", "a:="],
+        ["-p", "a:={b: 1}"],
+        ["-r", "x"],
+        ["-r", "a:=b c"],
+        ["-r", "__ns:=relative"],
+        ["--log-level", "loud"],
+        ["--params-file", "/nowhere.yaml"],
+    ],
+)
+def test_malformed_arguments_are_errors_of_init_and_of_nodes(arguments, ros):
+    with pytest.raises(RCLError, match="failed to initialize rcl: Couldn't parse"):
+        rclpy.init(args=["--ros-args", *arguments], context=Context())
+    with pytest.raises(RCLInvalidROSArgsError, match="Failed to parse ROS arguments"):
+        Node("n", context=ros.context, cli_args=["--ros-args", *arguments])
+
+
+def test_unknown_arguments_are_listed():
+    with pytest.raises(UnknownROSArgsError, match=r"\['--what', 'ever'\]"):
+        rclpy.init(args=["--ros-args", "--what", "ever"], context=Context())
+
+
+@pytest.fixture
+def remapped():
+    context = Context()
+    rules = ["foo:=bar", "/absolute:=/elsewhere", "~/private:=public", "given:__ns:=/there"]
+    rules += ["given:__node:=taken", "rosservice://trig:=girt", "taken:mine:=yours"]
+    rclpy.init(context=context, args=["--ros-args", *(w for rule in rules for w in ("-r", rule))])
+    node = Node("given", context=context, namespace="here")
+    yield node
+    node.destroy_node()
+    context.try_shutdown()
+
+
+def test_nodes_are_renamed_and_names_remapped(remapped):
+    assert remapped.get_fully_qualified_name() == "/there/taken"
+    assert remapped.get_logger().name == "there.taken"
+    assert remapped.resolve_topic_name("foo") == "/there/bar"
+    assert remapped.resolve_topic_name("/absolute") == "/elsewhere"
+    assert remapped.resolve_topic_name("~/private") == "/there/public"
+    assert remapped.resolve_topic_name("foo", only_expand=True) == "/there/foo"
+    assert remapped.resolve_topic_name("mine") == "/there/yours"
+    assert remapped.resolve_service_name("trig") == "/there/girt"
+    assert remapped.resolve_topic_name("trig") == "/there/trig"
+
+
+def test_arguments_of_a_node_come_before_those_of_the_process(ros):
+    context = Context()
+    rclpy.init(context=context, args=["--ros-args", "-p", "a:=1", "-p", "b:=1", "-r", "x:=y"])
+    own = ["--ros-args", "-p", "a:=2", "-r", "x:=z"]
+    node = Node("n", context=context, cli_args=own)
+    assert node.declare_parameter("a", 0).value == 2
+    assert node.declare_parameter("b", 0).value == 1
+    assert node.resolve_topic_name("x") == "/z"
+    alone = Node("m", context=context, use_global_arguments=False)
+    assert alone.declare_parameter("a", 0).value == 0
+    for each in (node, alone):
+        each.destroy_node()
+    context.shutdown()

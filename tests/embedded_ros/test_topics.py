@@ -1,0 +1,163 @@
+"""Publishers and subscriptions."""
+
+import threading
+
+import pytest
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.exceptions import InvalidHandle, InvalidTopicNameException
+from rclpy.node import Node
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_profile_sensor_data,
+)
+from rclpy.serialization import serialize_message
+from rclpy.wait_for_message import wait_for_message
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64, String
+from std_srvs.srv import Trigger
+
+
+@pytest.fixture
+def node(ros):
+    return ros.create(Node, "n")
+
+
+def test_a_message_arrives_as_it_was_sent(ros, node):
+    received = []
+    node.create_subscription(JointState, "state", received.append, 10)
+    sent = JointState(name=["a"], position=[1.0])
+    node.create_publisher(JointState, "state", 10).publish(sent)
+    ros.spin_until(lambda: received)
+    assert received == [sent]
+
+
+def test_messages_keep_their_order(ros, node):
+    received = []
+    node.create_subscription(Float64, "x", lambda msg: received.append(msg.data), 100)
+    publisher = node.create_publisher(Float64, "x", 100)
+    for value in range(50):
+        publisher.publish(Float64(data=float(value)))
+    ros.spin_until(lambda: len(received) == 50)
+    assert received == list(range(50))
+
+
+def test_a_callback_with_two_arguments_gets_timestamps(ros, node):
+    received = []
+    node.create_subscription(String, "s", lambda msg, info: received.append((msg, info)), 10)
+    before = node.get_clock().now().nanoseconds
+    node.create_publisher(String, "s", 10).publish(String(data="x"))
+    ros.spin_until(lambda: received)
+    info = received[0][1]
+    assert before <= info["source_timestamp"] <= node.get_clock().now().nanoseconds
+    assert info["publication_sequence_number"] is None
+
+
+def test_bytes_are_sent_and_received_raw(ros, node):
+    received = []
+    node.create_subscription(String, "s", received.append, 10, raw=True)
+    payload = serialize_message(String(data="abc"))
+    node.create_publisher(String, "s", 10).publish(payload)
+    ros.spin_until(lambda: received)
+    assert received[0][: len(payload)] == payload
+
+
+def test_a_late_subscription_gets_what_a_transient_local_publisher_keeps(ros, node):
+    profile = QoSProfile(depth=3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher = node.create_publisher(Float64, "kept", profile)
+    for value in range(5):
+        publisher.publish(Float64(data=float(value)))
+    late = ros.create(Node, "late")
+    received = []
+    late.create_subscription(Float64, "kept", lambda msg: received.append(msg.data), profile)
+    ros.spin_until(lambda: len(received) == 3)
+    assert received == [2.0, 3.0, 4.0]
+
+
+def test_incompatible_qos_does_not_match(ros, node):
+    publisher = node.create_publisher(Float64, "x", qos_profile_sensor_data)
+    reliable = node.create_subscription(Float64, "x", print, 10)
+    best_effort = node.create_subscription(Float64, "x", print, qos_profile_sensor_data)
+    assert best_effort.get_publisher_count() == 1
+    assert reliable.get_publisher_count() == 0
+    assert publisher.get_subscription_count() == 1
+
+
+def test_types_must_agree(ros, node):
+    publisher = node.create_publisher(Float64, "x", 10)
+    node.create_subscription(String, "x", print, 10)
+    assert publisher.get_subscription_count() == 0
+    with pytest.raises(TypeError, match=r"Expected .*Float64.*, got .*Bool"):
+        publisher.publish(Bool())
+
+
+def test_a_keep_all_publisher_reports_when_all_is_acknowledged(ros, node):
+    profile = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
+    received = []
+    node.create_subscription(Float64, "x", received.append, profile)
+    publisher = node.create_publisher(Float64, "x", profile)
+    for value in range(20):
+        publisher.publish(Float64(data=float(value)))
+    assert publisher.wait_for_all_acked()
+    ros.spin_until(lambda: len(received) == 20)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        ((Float64, "a b", 1), InvalidTopicNameException),
+        ((Float64, "x", "1"), TypeError),
+        ((Float64, "x", -1), ValueError),
+        ((Trigger, "x", 1), RuntimeError),
+        ((int, "x", 1), AttributeError),
+        ((Float64, "{what}", 1), ValueError),
+    ],
+)
+def test_bad_arguments(node, arguments, error):
+    with pytest.raises(error):
+        node.create_publisher(*arguments)
+
+
+def test_a_callback_must_take_one_or_two_arguments(node):
+    with pytest.raises(RuntimeError, match="callable with one argument"):
+        node.create_subscription(Float64, "x", lambda: None, 1)
+
+
+def test_a_destroyed_publisher_cannot_be_used(node):
+    publisher = node.create_publisher(Float64, "x", 1)
+    assert node.destroy_publisher(publisher)
+    assert not node.destroy_publisher(publisher)
+    with pytest.raises(InvalidHandle):
+        publisher.publish(Float64())
+    with pytest.raises(InvalidHandle):
+        publisher.get_subscription_count()
+
+
+def test_after_shutdown_nothing_is_published(ros, node):
+    publisher = node.create_publisher(Float64, "x", 1)
+    ros.context.shutdown()
+    with pytest.raises(RCLError, match="publisher's context is invalid"):
+        publisher.publish(Float64())
+    with pytest.raises(RCLError, match="context is invalid"):
+        node.create_publisher(Float64, "x", 1)
+
+
+def test_one_message_can_be_waited_for(ros):
+    sender, waiter = Node("sender", context=ros.context), Node("waiter", context=ros.context)
+    profile = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    sender.create_publisher(String, "s", profile).publish(String(data="x"))
+    found = wait_for_message(String, waiter, "s", qos_profile=profile, time_to_wait=5)
+    assert found == (True, String(data="x"))
+    assert wait_for_message(String, waiter, "none", time_to_wait=0.01) == (False, None)
+    sender.destroy_node()
+    waiter.destroy_node()
+
+
+def test_waiting_for_a_message_ends_with_the_context(ros):
+    # rclpy 7.1 goes on waiting here, unless the context was shut down by a signal.
+    waiter = Node("waiter", context=ros.context)
+    threading.Timer(0.05, ros.context.try_shutdown).start()
+    assert wait_for_message(String, waiter, "none") == (False, None)
+    waiter.destroy_node()

@@ -1,0 +1,177 @@
+"""What goes over the network, seen by plain Cyclone DDS with types declared independently."""
+
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from cyclonedds.core import Policy, Qos
+from cyclonedds.domain import DomainParticipant
+from cyclonedds.idl import IdlStruct
+from cyclonedds.idl.types import array, float64, int64, sequence, uint8, uint64
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from embedded_ros.dds_qos import to_dds
+from embedded_ros.domain import domain_configuration
+from embedded_ros.errors import RCLError
+from embedded_ros.service_calls import ClientPorts
+from rcl_interfaces.srv import SetParameters
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import qos_profile_default
+from rclpy.serialization import serialize_message
+from std_msgs.msg import Float64
+from std_srvs.srv import SetBool
+
+
+@dataclass
+class Gid(IdlStruct, typename="rmw_dds_common::msg::dds_::Gid_"):
+    """A GUID, as rmw_dds_common defines it."""
+
+    data: array[uint8, 16]
+
+
+@dataclass
+class NodeEntities(IdlStruct, typename="rmw_dds_common::msg::dds_::NodeEntitiesInfo_"):
+    """A node and its endpoints."""
+
+    node_namespace: str
+    node_name: str
+    reader_gid_seq: sequence[Gid]
+    writer_gid_seq: sequence[Gid]
+
+
+@dataclass
+class Info(IdlStruct, typename="rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"):
+    """A participant and its nodes."""
+
+    gid: Gid
+    node_entities_info_seq: sequence[NodeEntities]
+
+
+@dataclass
+class Float64_(IdlStruct, typename="std_msgs::msg::dds_::Float64_"):  # noqa: N801
+    """A number."""
+
+    data: float64
+
+
+@dataclass
+class SetBoolRequest(IdlStruct, typename="std_srvs::srv::dds_::SetBool_Request_"):
+    """A request with the header of rmw_cyclonedds."""
+
+    client: uint64
+    number: int64
+    data: bool
+
+
+def test_the_request_of_a_service_begins_with_client_and_number(ros):
+    node = ros.create(Node, "n")
+    sent = []
+    client = node.create_client(SetParameters, "p")
+    client._ports.writer.write = sent.append
+    request = SetParameters.Request(parameters=[Parameter("a", value=1.5).to_parameter_msg()])
+    client.call_async(request)
+    client.call_async(request)
+    body = serialize_message(request)
+    handle = client._ports._identity
+    assert bytes(sent[0]) == body[:4] + struct.pack("<Qq", handle, 1) + body[4:]
+    assert bytes(sent[1])[4:20] == struct.pack("<Qq", handle, 2)
+    assert body[4:16].hex() == "01000000" + "02000000" + "6100" + "0300"
+
+
+def test_topic_type_and_user_data_of_endpoints(ros):
+    node = ros.create(Node, "n")
+    node.create_publisher(Float64, "x", 10)
+    node.create_service(SetBool, "s", print)
+    node.create_client(SetBool, "c")
+    found = {
+        endpoint.topic: (endpoint.dds_type, endpoint.qos[Policy.Userdata].data.decode())
+        for endpoint in node._session.graph.writers(with_qos=True)
+    }
+    dds_type, data = found["rt/x"]
+    assert dds_type == "std_msgs::msg::dds_::Float64_"
+    assert data.startswith("typehash=RIHS01_705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc5")
+    dds_type, data = found["rr/sReply"]
+    assert dds_type == "std_srvs::srv::dds_::SetBool_Response_"
+    assert data.startswith("serviceid=")
+    assert ";typehash=RIHS01_" in data
+    dds_type, data = found["rq/cRequest"]
+    assert dds_type == "std_srvs::srv::dds_::SetBool_Request_"
+    assert data.startswith("clientid=")
+
+
+def test_ros_discovery_info_is_what_rmw_reads(ros):
+    node = ros.create(Node, "n")
+    publisher = node.create_publisher(Float64, "x", 10)
+    raw = DomainParticipant(ros.context.get_domain_id())
+    qos = Qos(
+        Policy.Reliability.Reliable(0), Policy.Durability.TransientLocal, Policy.History.KeepAll
+    )
+    # Both ends describe their types, so these are matched by structure: read the bytes' twin.
+    from embedded_ros.endpoints import _carrier
+
+    carrier = _carrier("rmw_dds_common/msg/ParticipantEntitiesInfo")
+    reader = DataReader(raw, Topic(raw, "ros_discovery_info", carrier), qos=qos)
+    from cyclonedds._clayer import ddspy_take
+
+    samples = []
+    ros.spin_until(lambda: samples.extend(ddspy_take(reader._ref, 0x7F, 10)) or samples, 5)
+    info = Info.deserialize(samples[-1][0])
+    assert bytes(info.gid.data) == node._session.guid
+    (entry,) = [item for item in info.node_entities_info_seq if item.node_name == "n"]
+    assert entry.node_namespace == "/"
+    guids = [bytes(gid.data) for gid in entry.writer_gid_seq]
+    assert publisher._writer.guid in guids
+    assert len(entry.reader_gid_seq) == 7  # the services
+
+
+def test_payloads_are_those_of_the_true_type():
+    assert (
+        Float64_(data=1.5).serialize(use_version_2=False)[4:]
+        == serialize_message(Float64(data=1.5))[4:]
+    )
+    framed = SetBoolRequest(client=7, number=8, data=True).serialize(use_version_2=False)
+    body = serialize_message(SetBool.Request(data=True))
+    assert framed[4:21] == struct.pack("<Qq", 7, 8) + body[4:5]
+
+
+def test_replies_to_other_clients_are_ignored(ros):
+    node = ros.create(Node, "n")
+    ports = ClientPorts(node._session, "std_srvs/srv/SetBool", "/s", qos_profile_default)
+    from embedded_ros.endpoints import Writer
+
+    writer = Writer(
+        node._session.participant,
+        node._session.publisher,
+        "rr/sReply",
+        "std_srvs/srv/SetBool_Response",
+        to_dds(qos_profile_default, ""),
+    )
+    body = serialize_message(SetBool.Response(success=True))
+    for client in (ports._identity + 1, ports._identity):
+        writer.write(body[:4] + struct.pack("<Qq", client, 5) + body[4:])
+    assert ports.take() is None
+    assert ports.take() == (5, SetBool.Response(success=True))
+    for each in (ports, writer):
+        each.close()
+
+
+def test_discovery_stays_on_loopback_unless_told_otherwise():
+    local = domain_configuration(None, None)
+    assert local == domain_configuration("localhost", "")
+    assert 'name="lo" multicast="false"' in local
+    assert '<Peer address="127.0.0.1"/>' in local
+    assert "<MaxAutoParticipantIndex>119<" in local
+    assert "<Peer" not in domain_configuration("OFF", None)
+    assert domain_configuration("SUBNET", None) == ""
+    assert '<Peer address="10.0.0.1"/>' in domain_configuration("SUBNET", "10.0.0.1")
+    assert domain_configuration("SYSTEM_DEFAULT", "10.0.0.1") == ""
+    with pytest.raises(RCLError, match="'EVERYWHERE'"):
+        domain_configuration("EVERYWHERE", None)
+
+
+def test_no_multicast_group_is_joined(ros):
+    ros.create(Node, "n")
+    # 239.255.0.1, the group of DDS discovery, in the kernel's byte order.
+    assert "0100FFEF" not in Path("/proc/self/net/igmp").read_text()
