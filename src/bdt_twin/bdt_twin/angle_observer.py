@@ -123,9 +123,12 @@ class AngleObserver:
             Arrays of shape (n,), delayed by ``delay`` samples. Offsets are those of a motor that
             starts at the angle zero.
         """
-        if self._rest_position is None and position.size:
+        if not position.size:
+            # scipy's lfilter would return a memory of uninitialized numbers.
+            return Angles(np.empty(0), np.empty(0))
+        if self._rest_position is None:
             self._rest_position = float(position[0])
-        rest = self._rest_position or 0.0
+        rest = self._rest_position
         voltages = np.concatenate([self._voltages, voltage])
         # Dividing by the numerator without its leading zero advances by one sample: one less here.
         positions = np.concatenate([self._positions, position - rest])

@@ -1,0 +1,59 @@
+"""The table of the parameters of the controller node."""
+
+from dataclasses import fields
+
+import pytest
+
+from bdt_controller.parameters import PARAMETERS
+from bdt_msgs_py.quantities import quantities_of
+
+with_each_dataclass = pytest.mark.parametrize(
+    "declared", [declared for _, declared in PARAMETERS], ids=lambda declared: declared.__name__
+)
+
+
+def test_no_two_parameters_share_a_name():
+    names = [
+        (prefix, name) for prefix, declared in PARAMETERS for name, _, _ in quantities_of(declared)
+    ]
+    assert len(set(names)) == len(names)
+    prefixes = {prefix for prefix, _ in names if prefix}
+    assert not prefixes & {name for prefix, name in names if not prefix}
+
+
+@with_each_dataclass
+def test_every_field_is_a_described_quantity(declared):
+    described = {name: quantity for name, _, quantity in quantities_of(declared)}
+    assert list(described) == [field.name for field in fields(declared)]
+    assert all(quantity.description for quantity in described.values())
+
+
+@with_each_dataclass
+def test_the_defaults_are_allowed(declared):
+    assert declared() == declared()
+
+
+@with_each_dataclass
+def test_every_number_has_both_bounds(declared):
+    """A descriptor range of ROS and a message that says what is allowed both need them."""
+    for name, default, quantity in quantities_of(declared):
+        first = default[0] if isinstance(default, tuple) else default
+        if isinstance(first, (int, float)) and not isinstance(first, bool):
+            assert quantity.minimum is not None, name
+            assert quantity.maximum is not None, name
+
+
+def test_what_tunes_the_running_loop_can_be_reconfigured():
+    reconfigurable = {
+        name
+        for _, declared in PARAMETERS
+        for name, _, quantity in quantities_of(declared)
+        if quantity.reconfigurable
+    }
+    assert reconfigurable == {
+        "dead_zone_tolerance",
+        "proportional",
+        "integral",
+        "derivative",
+        "filter_time",
+    }

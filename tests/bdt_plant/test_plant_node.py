@@ -1,0 +1,229 @@
+"""The plant node in lockstep and in real time, against a bench that plays the other nodes."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState, TimeReference
+from std_msgs.msg import Float64MultiArray
+
+from bdt_msgs_py.node_main import LoopError
+from bdt_msgs_py.node_parameters import ConfigurationError
+from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.reading import nanoseconds_from_stamp, read_position, read_samples
+from bdt_msgs_py.topics import (
+    CLOCK,
+    COMMAND,
+    MEASUREMENT,
+    PLATFORM_JOINT,
+    PROGRESS,
+    TELEMETRY,
+    TELEMETRY_COLUMNS,
+    TRUTH,
+    TRUTH_COLUMNS,
+)
+from bdt_msgs_py.writing import motor_voltage, platform_position, progress
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.plant_node import PlantNode
+
+PERIOD = 2_000_000
+
+
+class Bench:
+    """A plant with a node that listens to everything and sends commands."""
+
+    def __init__(self, ros, **parameters):
+        self.ros = ros
+        self.node = ros.create(Node, "bench")
+        self.measurements, self.clock = [], []
+        self.telemetry, self.truth = [], []
+        self.command = self.node.create_publisher(JointState, COMMAND.name, qos_profile(COMMAND))
+        self.progress = self.node.create_publisher(
+            TimeReference, PROGRESS.name, qos_profile(PROGRESS)
+        )
+        self._listen(
+            JointState, MEASUREMENT, self.measurements, lambda m: read_position(m, PLATFORM_JOINT)
+        )
+        self._listen(Clock, CLOCK, self.clock, lambda m: nanoseconds_from_stamp(m.clock))
+        self._listen(
+            Float64MultiArray,
+            TELEMETRY,
+            self.telemetry,
+            lambda m: read_samples(m, TELEMETRY_COLUMNS).copy(),
+        )
+        self._listen(
+            Float64MultiArray, TRUTH, self.truth, lambda m: read_samples(m, TRUTH_COLUMNS).copy()
+        )
+        self.plant = ros.create(PlantNode, **parameters)
+        ros.spin_until(lambda: self.command.get_subscription_count() == 1)
+
+    def _listen(self, kind, topic, received, read):
+        self.node.create_subscription(
+            kind, topic.name, lambda message: received.append(read(message)), qos_profile(topic)
+        )
+
+    def answer(self, voltage):
+        """Answer the newest measurement and wait for the next one."""
+        before = len(self.measurements)
+        self.command.publish(motor_voltage(self.measurements[-1][0], voltage))
+        self.ros.spin_until(lambda: len(self.measurements) > before)
+
+
+def test_in_lockstep_the_plant_publishes_what_its_core_computes(ros):
+    bench = Bench(ros, telemetry_period=0.01)
+    core = PlantSimulator(PlantModel(), GapProfile(), Sampling())
+    ros.spin_until(lambda: bench.measurements)
+    rows, truth = [], []
+    for step in range(25):
+        voltage = 10.0 * math.sin(step)
+        assert bench.measurements[-1] == (step * PERIOD, core.position)
+        truth.append(core.truth())
+        rows.append(core.advance(voltage))
+        bench.answer(voltage)
+    ros.spin_until(lambda: len(bench.telemetry) == 5 and len(bench.truth) == 5)
+    np.testing.assert_array_equal(np.concatenate(bench.telemetry), np.concatenate(rows))
+    np.testing.assert_array_equal(np.concatenate(bench.truth), np.array(truth))
+
+
+def test_in_lockstep_nothing_moves_without_the_command_for_the_newest_measurement(ros):
+    bench = Bench(ros, resend_period=0.05)
+    ros.spin_until(lambda: bench.measurements)
+    bench.answer(1.0)
+    ros.spin_until(lambda: bench.measurements[-1][0] == PERIOD)
+    bench.command.publish(motor_voltage(0, 5.0))
+    bench.command.publish(motor_voltage(7 * PERIOD, 5.0))
+    before = len(bench.measurements)
+    ros.spin_until(lambda: len(bench.measurements) >= before + 3)
+    assert {stamp for stamp, _ in bench.measurements[before:]} == {PERIOD}
+
+
+@pytest.mark.parametrize(
+    "message", [motor_voltage(0, math.nan), motor_voltage(0, math.inf), platform_position(0, 1.0)]
+)
+def test_a_command_that_is_not_a_finite_voltage_is_rejected_and_counted(ros, message):
+    bench = Bench(ros)
+    ros.spin_until(lambda: bench.measurements)
+    bench.command.publish(message)
+    ros.spin_until(lambda: bench.plant._health().values["rejected_commands"] == 1)
+    bench.answer(0.0)
+    assert bench.measurements[-1] == (PERIOD, 0.0)
+
+
+def test_the_plant_ends_when_its_duration_is_over(ros):
+    bench = Bench(ros, duration=0.01, telemetry_period=0.004)
+    ros.spin_until(lambda: bench.measurements)
+    for _ in range(4):
+        bench.answer(1.0)
+    bench.command.publish(motor_voltage(bench.measurements[-1][0], 1.0))
+    ros.result(bench.plant.finished)
+    ros.spin_until(lambda: len(bench.telemetry) == 3)
+    times = np.concatenate(bench.telemetry)[:, 0]
+    np.testing.assert_array_equal(times, np.arange(50) / 5000)
+
+
+def test_a_controller_that_dies_in_lockstep_becomes_an_error_that_says_so(ros):
+    bench = Bench(ros, lockstep_timeout=0.3, resend_period=0.05)
+    ros.spin_until(lambda: bench.measurements)
+    bench.answer(1.0)
+    with pytest.raises(LoopError, match=r"/plant waited .* s for a command at t = 0.002 s"):
+        ros.result(bench.plant.finished)
+
+
+def test_a_plant_waits_for_its_controller_as_long_as_it_takes(ros):
+    plant = ros.create(PlantNode, lockstep_timeout=0.1, resend_period=0.02)
+    ros.spin_for(0.5)
+    assert not plant.finished.done()
+
+
+def test_a_follower_holds_the_plant_until_it_has_the_telemetry_and_has_acted(ros):
+    bench = Bench(ros, lockstep_followers=["friend"], telemetry_period=0.004, resend_period=0.05)
+    ros.spin_for(0.3)
+    assert not bench.measurements
+
+    def tell(telemetry_end, acts_at):
+        bench.progress.publish(progress("friend", telemetry_end, acts_at))
+
+    tell(0, None)
+    ros.spin_until(lambda: bench.measurements)
+    bench.answer(0.0)
+    bench.command.publish(motor_voltage(PERIOD, 0.0))
+    ros.spin_until(lambda: bench.telemetry)
+    count = len(bench.measurements)
+    ros.spin_for(0.3)
+    assert len(bench.measurements) == count
+    newest = round(bench.telemetry[-1][-1, 0] * 1e9)
+    tell(newest, 2 * PERIOD)
+    ros.spin_for(0.3)
+    assert len(bench.measurements) == count
+    assert bench.clock[-1] == 2 * PERIOD
+    tell(newest, 2 * PERIOD + 1)
+    ros.spin_until(lambda: bench.measurements[-1][0] == 2 * PERIOD)
+
+
+def test_a_follower_that_dies_is_named(ros):
+    bench = Bench(
+        ros,
+        lockstep_followers=["friend"],
+        telemetry_period=0.002,
+        lockstep_timeout=0.3,
+        resend_period=0.05,
+    )
+    bench.progress.publish(progress("friend", 0, None))
+    ros.spin_until(lambda: bench.measurements)
+    bench.command.publish(motor_voltage(0, 0.0))
+    with pytest.raises(LoopError, match="for progress of friend"):
+        ros.result(bench.plant.finished)
+
+
+def test_in_real_time_the_plant_keeps_the_pace_of_the_wall_clock(ros):
+    begin = time.monotonic()
+    bench = Bench(ros, mode="realtime", duration=0.5, control_rate=100.0, sampling_rate=1000.0)
+    ros.result(bench.plant.finished)
+    assert 0.5 <= time.monotonic() - begin < 5.0
+    ros.spin_until(lambda: bench.telemetry and bench.telemetry[-1][-1, 0] == 0.499)
+
+
+def test_in_real_time_a_voltage_without_fresh_commands_becomes_zero(ros):
+    bench = Bench(
+        ros,
+        mode="realtime",
+        control_rate=100.0,
+        sampling_rate=1000.0,
+        command_timeout=0.1,
+        telemetry_period=0.05,
+    )
+    ros.spin_until(lambda: bench.measurements)
+    bench.command.publish(motor_voltage(bench.measurements[-1][0], 3.0))
+    ros.spin_until(lambda: bench.plant._simulator.time > 0.6)
+    voltage = np.concatenate(bench.telemetry)[:, 1]
+    driven = np.flatnonzero(voltage)
+    assert set(voltage[driven]) == {3.0}
+    assert 50 <= driven.size <= 120
+    assert voltage[-1] == 0.0
+    assert bench.plant._health().values["steps_without_fresh_command"] > 10
+
+
+@pytest.mark.parametrize(
+    ("parameters", "says"),
+    [
+        ({"mode": "warp"}, "mode = 'warp': must be one of lockstep, realtime"),
+        ({"control_rate": 300.0}, "control_rate = 300.0 Hz: must divide sampling_rate (5000 Hz)"),
+        ({"motor__inductance": 0.0}, "motor.inductance = 0.0: must be"),
+        ({"gap__final": math.nan}, "gap.final = nan"),
+        ({"gap__final": -0.1}, "gap.final = -0.1"),
+        ({"gap__table_times": [0.0, 2.0, 1.0]}, "table_gaps has 2 values"),
+        ({"gap__knd": "ramp"}, "gap.knd = 'ramp': is not a parameter of /plant"),
+        ({"structure__mass": "heavy"}, "structure.mass = 'heavy': must be a number"),
+    ],
+)
+def test_a_start_with_bad_parameters_names_parameter_value_and_what_is_allowed(
+    ros, parameters, says
+):
+    with pytest.raises(ConfigurationError) as caught:
+        ros.create(PlantNode, **parameters)
+    assert says in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,66 @@
+"""Recordings of the closed loop, the data of the twin's tests."""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from bdt_controller.controller import ControllerSettings, DeadZoneController
+from bdt_controller.pid import PidGains
+from bdt_plant.gap_profile import GapProfile, gap_at
+from bdt_plant.plant import AT_REST, PlantModel, discretize_plant, plant_step
+
+RATE, HOLD = 5000, 10
+
+
+class Recording(NamedTuple):
+    """Voltage, position and what only a simulator knows, one element a sample."""
+
+    voltage: np.ndarray
+    position: np.ndarray
+    theta_m: np.ndarray
+    theta_d: np.ndarray
+    gap: np.ndarray
+
+
+@cache
+def record(profile, duration, step_time=2.0):
+    """Record the loop with the dead zone of figure 4 and 5 mm steps, `duration` [s] long."""
+    step = discretize_plant(PlantModel(), 1 / RATE)
+    ten_degrees_of_screw = 1e-3 * 10 / 360
+    settings = ControllerSettings(dead_zone_tolerance=ten_degrees_of_screw)
+    controller = DeadZoneController(PidGains(), settings)
+    state, rows = AT_REST, []
+    for sample in range(round(duration * RATE)):
+        if sample % HOLD == 0:
+            reference = 0.0 if (sample // round(step_time * RATE)) % 2 else 5e-3
+            voltage = controller.step(reference, state.structure.q3)
+        gap = gap_at(profile, sample / RATE)
+        rows.append((voltage, state.structure.q3, state.motor.angle, state.theta_d, gap))
+        state = plant_step(state, voltage, gap_at(profile, (sample + 1) / RATE), step)
+    columns = np.array(rows).T
+    columns.flags.writeable = False
+    return Recording(*columns)
+
+
+@pytest.fixture
+def constant_gap():
+    """Record the loop with a constant gap [deg]."""
+    return lambda degrees, duration=8.0: record(
+        GapProfile(kind="constant", initial=float(np.deg2rad(degrees))), duration
+    )
+
+
+@pytest.fixture
+def growing_gap():
+    """Record the loop with a gap that grows evenly from one angle to another [deg]."""
+    return lambda first, last, duration: record(
+        GapProfile(
+            kind="ramp",
+            initial=float(np.deg2rad(first)),
+            final=float(np.deg2rad(last)),
+            growth_time=duration,
+        ),
+        duration,
+    )

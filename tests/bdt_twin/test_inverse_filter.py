@@ -1,0 +1,337 @@
+"""The paper's estimator (eqs 12 to 14) against its equations word for word and against the truth.
+
+Word for word but for one thing: omega_d != 0 of eq. 13 is read together with eq. 6, by which a
+screw that moves turns the same way as the motor.
+"""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_twin.angle_observer import AngleObserver
+from bdt_twin.inverse_filter import (
+    SETTLING_TIME,
+    ContactSums,
+    InverseFilterEstimator,
+    InverseFilterSettings,
+    contact_sums,
+    gap_from_sums,
+)
+
+RATE = 5000
+ROUNDING = 0.1
+"""Largest overestimate by eq. 13 [deg]: twice a rounding to 0.05 degrees; it is 0.05 on average."""
+QUICK = InverseFilterSettings(window=0.4, update_period=0.02)
+
+
+def estimate(voltage, position, chosen=None, cuts=()):
+    """Return the estimates from data given in batches that end at `cuts`."""
+    estimator = InverseFilterEstimator(PlantModel(), chosen or InverseFilterSettings())
+    bounds = [0, *sorted(cuts), len(voltage)]
+    return [
+        found
+        for begin, end in pairwise(bounds)
+        for found in estimator.update(voltage[begin:end], position[begin:end])
+    ]
+
+
+def errors_of(truth):
+    """Return the errors [deg] of the estimates against the mean true gap of their windows."""
+    window = round(InverseFilterSettings().window * RATE)
+    errors = [
+        found.gap - truth.gap[max(found.sample - window, 0) : found.sample].mean()
+        for found in estimate(truth.voltage, truth.position)
+    ]
+    return np.rad2deg(errors)
+
+
+def eq_13(theta_m, theta_d, chosen, newest):
+    """Return (gap [rad], forward, backward) of the window up to sample `newest`, word for word."""
+    sample_time, scale = 1 / chosen.sampling_rate, chosen.rounding / 2
+    oldest = max(
+        round(SETTLING_TIME * chosen.sampling_rate) + chosen.delay,
+        newest - round(chosen.window * chosen.sampling_rate),
+    )
+    plus, minus = [], []
+    for sample in range(oldest + 1, newest + 1):
+        omega_m = (theta_m[sample] - theta_m[sample - 1]) / sample_time
+        omega_d = (theta_d[sample] - theta_d[sample - 1]) / sample_time
+        difference = math.degrees(theta_m[sample] - theta_d[sample])
+        if omega_d > chosen.velocity_threshold and omega_m > 0:
+            plus.append(scale * math.ceil(difference / scale))
+        if omega_d < -chosen.velocity_threshold and omega_m < 0:
+            minus.append(scale * math.floor(difference / scale))
+    if not plus or not minus:
+        return None, len(plus), len(minus)
+    mean = sum(plus) / len(plus) - sum(minus) / len(minus)
+    return math.radians(mean), len(plus), len(minus)
+
+
+@pytest.mark.parametrize(
+    "chosen",
+    [
+        QUICK,
+        InverseFilterSettings(window=0.2, update_period=0.1, rounding=1.0, delay=1),
+        InverseFilterSettings(window=0.1, update_period=0.1, velocity_threshold=5.0, delay=9),
+    ],
+    ids=["quick", "coarse", "fast screw only"],
+)
+def test_every_estimate_is_that_of_eq_13_word_for_word(constant_gap, chosen):
+    truth = constant_gap(10.0)
+    voltage, position = truth.voltage[: 3 * RATE], truth.position[: 3 * RATE]
+    angles = AngleObserver(PlantModel(), 1 / RATE, chosen.delay).update(voltage, position)
+    theta_m, theta_d = (array.tolist() for array in angles)
+    estimates = estimate(voltage, position, chosen)
+    assert len(estimates) >= 5
+    for found in estimates:
+        gap, forward, backward = eq_13(theta_m, theta_d, chosen, found.sample)
+        assert found.gap == pytest.approx(gap, abs=1e-12)
+        assert (found.forward, found.backward) == (forward, backward)
+
+
+def test_estimates_come_at_the_ends_of_the_update_periods(constant_gap):
+    truth = constant_gap(10.0)
+    estimates = estimate(truth.voltage, truth.position, QUICK)
+    begin = round(SETTLING_TIME * RATE) + QUICK.delay
+    assert {(found.sample - begin) % 100 for found in estimates} == {0}
+    assert estimates[-1].sample < truth.voltage.size
+
+
+def test_no_update_period_with_contact_and_both_directions_is_left_out(constant_gap):
+    truth = constant_gap(10.0)
+    voltage, position = truth.voltage[: 3 * RATE], truth.position[: 3 * RATE]
+    angles = AngleObserver(PlantModel(), 1 / RATE, QUICK.delay).update(voltage, position)
+    theta_m, theta_d = (array.tolist() for array in angles)
+    one_period = InverseFilterSettings(window=0.02, update_period=0.02)
+    begin = round(SETTLING_TIME * RATE) + QUICK.delay
+    expected = []
+    for newest in range(begin + 100, 3 * RATE, 100):
+        _, *contacts = eq_13(theta_m, theta_d, one_period, newest)
+        gap, *_ = eq_13(theta_m, theta_d, QUICK, newest)
+        if any(contacts) and gap is not None:
+            expected.append(newest)
+    assert [found.sample for found in estimate(voltage, position, QUICK)] == expected
+
+
+@pytest.mark.parametrize("degrees", [0.0, 1.0, 3.0, 10.0, 20.0, 30.0])
+def test_a_constant_gap_is_overestimated_by_the_rounding_and_no_more(constant_gap, degrees):
+    errors = errors_of(constant_gap(degrees))
+    assert len(errors) > 40
+    assert errors.min() > 0.0
+    assert errors.max() < ROUNDING
+
+
+@pytest.mark.parametrize(("first", "last"), [(0.0, 5.0), (25.0, 30.0), (12.0, 10.0)])
+def test_a_changing_gap_is_found_like_a_constant_one_of_its_mean_over_the_window(
+    growing_gap, first, last
+):
+    errors = errors_of(growing_gap(first, last, 20.0))
+    assert len(errors) > 100
+    assert errors.min() > 0.0
+    assert errors.max() < ROUNDING
+
+
+@pytest.mark.parametrize("shift", [-1, 1])
+def test_one_sample_of_misalignment_does_not_pass_for_rounding(constant_gap, shift):
+    """The tolerance above is sharp enough to see a delay that is wrong by one: 1.3 degrees."""
+    truth = constant_gap(10.0)
+    errors = errors_of(
+        truth._replace(position=np.roll(truth.position, shift)[1:-1], voltage=truth.voltage[1:-1])
+    )
+    assert np.abs(errors).min() > 10 * ROUNDING
+
+
+@pytest.fixture(scope="module")
+def recording():
+    """Voltage and position of one second with several reversals."""
+    gap = GapProfile(kind="constant", initial=0.1)
+    plant = PlantSimulator(PlantModel(), gap, Sampling(RATE, 500.0))
+    rows = [plant.advance(8 * math.cos(0.08 * command)) for command in range(500)]
+    _, voltage, position = np.concatenate(rows).T.copy()
+    return voltage, position
+
+
+@pytest.fixture(scope="module")
+def whole(recording):
+    """Estimates from all data at once."""
+    estimates = estimate(*recording, QUICK)
+    assert len(estimates) > 20
+    return estimates
+
+
+@settings(max_examples=40)
+@given(data=st.data())
+def test_any_split_into_batches_gives_the_same_estimates_exactly(recording, whole, data):
+    cuts = data.draw(st.lists(st.integers(0, recording[0].size), max_size=40))
+    assert estimate(*recording, QUICK, cuts) == whole
+
+
+@pytest.mark.parametrize("size", [1, 7, 100, 101])
+def test_batches_of_equal_size_give_the_same_estimates_exactly(recording, whole, size):
+    cuts = range(size, recording[0].size, size)
+    assert estimate(*recording, QUICK, cuts) == whole
+
+
+def test_empty_batches_change_nothing(recording, whole):
+    half = recording[0].size // 2
+    cuts = [0, 0, half, half, half, recording[0].size]
+    assert estimate(*recording, QUICK, cuts) == whole
+
+
+def test_turning_all_signs_swaps_the_directions_and_keeps_the_gap(recording, whole):
+    turned = estimate(*(-column for column in recording), QUICK)
+    expected = [found._replace(forward=found.backward, backward=found.forward) for found in whole]
+    assert turned == expected
+
+
+def test_a_platform_that_rests_elsewhere_has_the_same_gap(constant_gap):
+    truth = constant_gap(10.0)
+    errors = errors_of(truth._replace(position=truth.position + 0.1234567))
+    assert errors.min() > 0.0
+    assert errors.max() < ROUNDING
+
+
+def test_without_motion_there_is_no_estimate():
+    assert estimate(np.zeros(3 * RATE), np.zeros(3 * RATE)) == []
+    assert estimate(np.zeros(3 * RATE), np.full(3 * RATE, 5e-3)) == []
+
+
+def test_without_a_reversal_there_is_no_estimate():
+    voltage = np.full(2 * RATE, 6.0)
+    turns = 60.0 * np.arange(2 * RATE) / RATE
+    assert estimate(voltage, turns * 1e-3 / (2 * math.pi)) == []
+
+
+def test_once_the_screw_is_at_rest_there_are_no_more_estimates(constant_gap):
+    truth = constant_gap(10.0)
+    rest = np.full(3 * RATE, truth.position[-1])
+    voltage = np.append(truth.voltage, np.zeros(3 * RATE))
+    estimates = estimate(voltage, np.append(truth.position, rest))
+    assert estimates[-1].sample < truth.voltage.size + 1.2 * SETTLING_TIME * RATE
+
+
+def test_an_old_reversal_leaves_with_the_window(constant_gap):
+    truth = constant_gap(10.0)
+    estimates = estimate(truth.voltage, truth.position, QUICK)
+    assert max(found.forward + found.backward for found in estimates) <= 0.4 * RATE
+
+
+def test_a_restart_forgets_everything(recording, whole):
+    estimator = InverseFilterEstimator(PlantModel(), QUICK)
+    estimator.update(*(column[:3210] for column in recording))
+    estimator.restart()
+    assert estimator.update(*recording) == whole
+
+
+def test_a_restart_while_the_structure_swings_finds_the_gap_again(constant_gap):
+    truth = constant_gap(10.0)
+    begin = 2 * RATE + 700  # in the middle of the second step
+    errors = errors_of(truth._make(column[begin:] for column in truth))
+    assert len(errors) > 20
+    assert errors.min() > 0.0
+    assert errors.max() < ROUNDING
+
+
+# The operators of eqs 13 and 14.
+
+
+def sums_of(differences, directions, rounding):
+    """Return the sums of samples in contact with given angle differences [deg]."""
+    theta_m = np.concatenate([[0.0], np.cumsum(directions)])
+    theta_d = theta_m - np.deg2rad(np.concatenate([[0.0], differences]))
+    return contact_sums(theta_m, theta_d, 1.0, 0.01, rounding, len(differences))[0]
+
+
+def test_forward_differences_are_rounded_up_to_multiples_of_half_l():
+    differences, ahead = [5.0125, 5.0375, 4.9875], [1.0, 1.0, 1.0]
+    assert sums_of(differences, ahead, 0.1) == ContactSums(3, 0, 101 + 101 + 100, 0)
+
+
+def test_backward_differences_are_rounded_down_to_multiples_of_half_l():
+    differences, back = [-5.0125, -5.0375, -4.9875], [-1.0, -1.0, -1.0]
+    assert sums_of(differences, back, 0.1) == ContactSums(0, 3, 0, -101 - 101 - 100)
+
+
+def test_rounding_is_away_from_the_screw_so_the_gap_is_never_underestimated():
+    sums = sums_of([5.01, -5.01], [1.0, -1.0], 0.1)
+    assert math.degrees(gap_from_sums([sums], 0.1)) == pytest.approx(10.1, abs=1e-12)
+
+
+def test_the_means_of_the_two_directions_weigh_the_same():
+    ahead, back = ContactSums(1, 0, 200, 0), ContactSums(0, 9, 0, -900)
+    assert math.degrees(gap_from_sums([ahead, back], 0.1)) == pytest.approx(15.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "sums", [ContactSums(0, 0, 0, 0), ContactSums(5, 0, 9, 0), ContactSums(0, 5, 0, -9)]
+)
+def test_one_direction_alone_has_no_gap(sums):
+    assert gap_from_sums([sums, sums], 0.1) is None
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("speed", "count"), [(0.0999, 0), (0.1001, 4)])
+def test_a_screw_slower_than_the_threshold_is_not_in_contact(sign, speed, count):
+    theta_m = sign * np.arange(5.0)
+    [sums] = contact_sums(theta_m, speed * 0.01 * theta_m, 0.01, 0.1, 0.1, 4)
+    assert (sums.forward, sums.backward) == ((count, 0) if sign > 0 else (0, count))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_screw_that_turns_against_the_motor_is_not_in_contact(sign):
+    """The inverse filter smears a reversal over a few samples, in which this seems to happen."""
+    theta_m = sign * np.arange(5.0)
+    assert contact_sums(theta_m, -theta_m, 0.01, 0.1, 0.1, 4) == [ContactSums(0, 0, 0, 0)]
+
+
+def test_a_motor_at_rest_belongs_to_no_direction():
+    sums = contact_sums(np.zeros(5), np.arange(5.0), 0.01, 0.1, 0.1, 4)
+    assert sums == [ContactSums(0, 0, 0, 0)]
+
+
+@given(st.integers(1, 6), st.integers(1, 8))
+def test_the_sums_of_blocks_add_up_to_the_sums_of_all(count, block):
+    random = np.random.default_rng(8)
+    theta_m, theta_d = random.normal(size=(2, 1 + count * block)).cumsum(axis=1)
+    blocks = contact_sums(theta_m, theta_d, 0.01, 0.1, 0.1, block)
+    [everything] = contact_sums(theta_m, theta_d, 0.01, 0.1, 0.1, count * block)
+    assert len(blocks) == count
+    assert ContactSums(*(sum(column) for column in zip(*blocks, strict=True))) == everything
+
+
+@pytest.mark.parametrize(
+    ("fault", "text"),
+    [
+        ({"window": 0.25}, r"window = 0\.25 s: must be a multiple of update_period \(0\.1 s\)"),
+        ({"window": 0.05}, r"window = 0\.05 s: must be a multiple of update_period \(0\.1 s\)"),
+        (
+            {"update_period": 0.01, "sampling_rate": 250.0},
+            r"update_period = 0\.01 s: must be a whole number of samples at 250 Hz",
+        ),
+        ({"sampling_rate": 0.0}, r"sampling_rate = 0\.0 Hz: must be 1 to 1e\+06 Hz"),
+        ({"velocity_threshold": -1.0}, r"velocity_threshold = -1\.0 rad/s: must be 0 to 1e\+06"),
+        ({"delay": 0}, r"delay = 0 samples: must be 1 to 1000 samples"),
+        ({"delay": 2.0}, r"delay = 2\.0: must be an integer, 1 to 1000 samples"),
+        ({"delay": True}, r"delay = True: must be an integer, 1 to 1000 samples"),
+        ({"rounding": 0.0}, r"rounding = 0\.0 deg: must be 1e-06 to 90 deg"),
+        ({"window": float("nan")}, r"window = nan s: must be 0\.001 to 10000 s"),
+        ({"update_period": "0.1"}, r"update_period = '0\.1': must be a number, 0\.001 to 10000 s"),
+    ],
+)
+def test_a_fault_is_named_with_its_value_and_what_is_allowed(fault, text):
+    with pytest.raises(ValueError, match=r"^InverseFilterSettings\." + text):
+        InverseFilterSettings(**fault)
+
+
+def test_the_defaults_are_those_of_the_paper():
+    chosen = InverseFilterSettings()
+    assert chosen.sampling_rate == 5000.0
+    assert chosen.velocity_threshold == 0.1
+    assert chosen.delay == 2
+    assert chosen.rounding == 0.1

@@ -1,0 +1,214 @@
+"""The twin node: telemetry in, estimates out, the dead zone of a controller reconfigured."""
+
+import numpy as np
+import pytest
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState, TimeReference
+from std_msgs.msg import Float64MultiArray
+
+from bdt_msgs_py.node_parameters import ConfigurationError
+from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.reading import nanoseconds_from_stamp, read_position
+from bdt_msgs_py.topics import (
+    BACKLASH_ESTIMATE,
+    CLOCK,
+    GAP_JOINT,
+    PROGRESS,
+    TELEMETRY,
+    TELEMETRY_COLUMNS,
+)
+from bdt_msgs_py.writing import sample_message, stamp_from_nanoseconds
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
+from bdt_twin.twin_node import TwinNode
+
+GAP = np.deg2rad(10.0)
+BATCH = 500
+
+
+@pytest.fixture(scope="module")
+def telemetry():
+    """Three seconds of a motor that goes to and fro with a gap of 10 degrees."""
+    plant = PlantSimulator(PlantModel(), GapProfile(kind="constant", initial=GAP), Sampling())
+    return np.concatenate(
+        [plant.advance(8.0 * np.sin(2 * np.pi * step / 500)) for step in range(1500)]
+    )
+
+
+class Bench:
+    """A twin with a node that plays plant and controller."""
+
+    def __init__(self, ros, *, accept=True, controller=True, **parameters):
+        self.ros = ros
+        self.accept = accept
+        self.estimates, self.progress = [], []
+        self.requests, self.time = [], 0.0
+        self.node = ros.create(Node, "bench")
+        self.clock = self.node.create_publisher(Clock, CLOCK.name, qos_profile(CLOCK))
+        self.telemetry = self.node.create_publisher(
+            Float64MultiArray, TELEMETRY.name, qos_profile(TELEMETRY)
+        )
+        self.node.create_subscription(
+            JointState,
+            BACKLASH_ESTIMATE.name,
+            lambda message: self.estimates.append(read_position(message, GAP_JOINT)),
+            qos_profile(BACKLASH_ESTIMATE),
+        )
+        self.node.create_subscription(
+            TimeReference, PROGRESS.name, self.progress.append, qos_profile(PROGRESS)
+        )
+        if controller:
+            peer = ros.create(Node, "controller")
+            peer.declare_parameter("dead_zone_tolerance", 0.0, ParameterDescriptor())
+            peer.add_on_set_parameters_callback(self._decide)
+        self.twin = ros.create(TwinNode, use_sim_time=True, **parameters)
+        ros.spin_until(lambda: self.telemetry.get_subscription_count() == 1)
+        ros.spin_until(lambda: self.clock.get_subscription_count() == 1)
+        ros.spin_until(lambda: self.node.count_publishers(BACKLASH_ESTIMATE.name) == 1)
+
+    def _decide(self, parameters):
+        self.requests.append((self.time, parameters[0].value))
+        return SetParametersResult(successful=self.accept, reason="" if self.accept else "no")
+
+    def tick(self, time):
+        """Let simulated time reach `time` [s]."""
+        self.time = time
+        self.clock.publish(Clock(clock=stamp_from_nanoseconds(round(time * 1e9))))
+        self.ros.spin_until(lambda: self.twin.get_clock().now().nanoseconds == round(time * 1e9))
+
+    def send(self, rows):
+        taken = self.health["telemetry_accepted"] + self.health["telemetry_rejected"]
+        self.telemetry.publish(sample_message(rows, TELEMETRY_COLUMNS))
+        self.ros.spin_until(
+            lambda: self.health["telemetry_accepted"] + self.health["telemetry_rejected"] > taken
+        )
+
+    def run(self, rows):
+        """Send batches with the clock beside them."""
+        for start in range(0, len(rows), BATCH):
+            batch = rows[start : start + BATCH]
+            self.tick(round(batch[-1, 0] + 2e-4, 4))
+            self.send(batch)
+
+    @property
+    def health(self):
+        return self.twin._health().values
+
+
+def test_the_twin_publishes_what_its_estimator_computes(ros, telemetry):
+    bench = Bench(ros)
+    bench.run(telemetry)
+    core = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
+    expected = [
+        (round(estimate.sample * 1e9 / 5000), estimate.gap)
+        for estimate in core.update(telemetry[:, 1], telemetry[:, 2])
+    ]
+    ros.spin_until(lambda: len(bench.estimates) >= len(expected))
+    assert bench.estimates == expected
+    assert abs(bench.estimates[-1][1] - GAP) < np.deg2rad(0.15)
+
+
+def test_the_dead_zone_changes_when_the_communication_delay_is_over_not_before(ros, telemetry):
+    bench = Bench(ros, communication_delay=1.0)
+    bench.run(telemetry)
+    first_estimate = bench.estimates[0][0] * 1e-9
+    ros.spin_until(lambda: bench.requests)
+    arrival, tolerance = bench.requests[0]
+    assert arrival >= first_estimate + 1.0
+    assert arrival <= first_estimate + 1.0 + 0.2
+    assert tolerance == pytest.approx(1e-3 / (2 * np.pi) * bench.estimates[0][1], rel=1e-12)
+
+
+def test_without_delay_the_dead_zone_changes_at_once(ros, telemetry):
+    bench = Bench(ros, communication_delay=0.0)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.health["reconfigurations"] > 0)
+
+
+def test_the_twin_tells_a_lockstep_plant_when_it_will_act(ros, telemetry):
+    bench = Bench(ros, communication_delay=1.0)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: nanoseconds_from_stamp(bench.progress[-1].header.stamp) == 1499800000)
+    acts_at = nanoseconds_from_stamp(bench.progress[-1].time_ref)
+    assert acts_at == bench.twin._link.next_due()
+    assert bench.progress[-1].source == "twin"
+
+
+def test_a_twin_that_only_estimates_leaves_the_controller_alone(ros, telemetry):
+    bench = Bench(ros, reconfigure=False, communication_delay=0.0)
+    bench.run(telemetry)
+    ros.spin_until(lambda: bench.estimates)
+    ros.spin_for(0.2)
+    assert not bench.requests
+
+
+def test_a_refusal_is_counted_and_the_twin_goes_on(ros, telemetry):
+    bench = Bench(ros, accept=False, communication_delay=0.0)
+    bench.run(telemetry)
+    ros.spin_until(lambda: bench.health["failed_reconfigurations"] >= 2)
+    assert bench.health["reconfigurations"] == 0
+
+
+def test_a_controller_that_is_not_there_is_counted_and_the_twin_goes_on(ros, telemetry):
+    bench = Bench(ros, controller=False, communication_delay=0.0, service_timeout=0.05)
+    bench.run(telemetry)
+    ros.spin_until(lambda: bench.health["failed_reconfigurations"] >= 1)
+    assert bench.health["estimates"] > 0
+
+
+def broken(rows, how):
+    rows = rows.copy()
+    if how == "nan":
+        rows[3, 2] = np.nan
+    if how == "hole":
+        rows[250:, 0] += 0.01
+    return rows
+
+
+@pytest.mark.parametrize("how", ["nan", "hole", "back in time", "lost batch"])
+def test_telemetry_that_does_not_continue_is_rejected_counted_and_restarts_the_estimator(
+    ros, telemetry, how
+):
+    bench = Bench(ros)
+    bench.run(telemetry[:1000])
+    if how == "back in time":
+        bench.send(telemetry[:500])
+        following = telemetry[500:1000]
+    elif how == "lost batch":
+        bench.send(telemetry[1500:2000])
+        following = telemetry[2000:2500]
+    else:
+        bench.send(broken(telemetry[1000:1500], how))
+        following = telemetry[1500:2000]
+    assert bench.health["telemetry_rejected"] == 1
+    bench.send(following)
+    assert bench.health["telemetry_rejected"] == 1
+    assert bench.health["estimator_restarts"] == 1
+
+
+def test_messages_without_the_layout_of_telemetry_are_rejected_and_counted(ros):
+    bench = Bench(ros)
+    bench.telemetry.publish(Float64MultiArray())
+    ros.spin_until(lambda: bench.health["telemetry_rejected"] == 1)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "says"),
+    [
+        ({"communication_delay": -1.0}, "communication_delay = -1.0"),
+        ({"estimator__window": 0.25}, "window = 0.25 s: must be a multiple of update_period"),
+        ({"estimator__delay": 0}, "estimator.delay = 0: must be an integer, 1 to 1000 samples"),
+        ({"reconfigure": 1}, "reconfigure = 1: must be true or false"),
+        ({"estimator__windw": 2.0}, "is not a parameter of /twin"),
+    ],
+)
+def test_a_start_with_bad_parameters_names_parameter_value_and_what_is_allowed(
+    ros, parameters, says
+):
+    with pytest.raises(ConfigurationError) as caught:
+        ros.create(TwinNode, **parameters)
+    assert says in str(caught.value)
+    assert "\n" not in str(caught.value)

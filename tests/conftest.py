@@ -1,0 +1,81 @@
+"""What tests with nodes need: a ROS domain of their own, on loopback, and nodes that end."""
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+
+# Time limits of hypothesis say more about a busy machine than about the code.
+settings.register_profile("project", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("project")
+
+DEADLINE = 20.0
+"""Wall time [s] after which a condition counts as never met."""
+
+
+class RosLoop:
+    """Nodes of one test in a private context with one executor.
+
+    An exception in a callback leaves the executor's spin and thereby fails the test.
+    """
+
+    def __init__(self) -> None:
+        import rclpy
+        from rclpy.context import Context
+        from rclpy.executors import SingleThreadedExecutor
+
+        self.context = Context()
+        rclpy.init(context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.nodes: list[Any] = []
+
+    def create(self, node_class: Callable[..., Any], *arguments: Any, **parameters: Any) -> Any:
+        """Create a node with parameters; ``__`` in a parameter's name stands for a dot."""
+        from rclpy.parameter import Parameter
+
+        overrides = [
+            Parameter(name.replace("__", "."), value=value) for name, value in parameters.items()
+        ]
+        node = node_class(*arguments, context=self.context, parameter_overrides=overrides)
+        self.nodes.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def spin_until(self, condition: Callable[[], Any], deadline: float = DEADLINE) -> None:
+        """Spin until `condition` is true; fail the test after `deadline` seconds."""
+        end = time.monotonic() + deadline
+        while not condition():
+            assert time.monotonic() < end, f"not within {deadline} s"
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def spin_for(self, duration: float) -> None:
+        """Spin for a while [s], to see that something does not happen."""
+        from rclpy.task import Future
+
+        self.executor.spin_until_future_complete(Future(), timeout_sec=duration)
+
+    def result(self, future: Any, deadline: float = DEADLINE) -> Any:
+        """Spin until `future` is done and return its result."""
+        self.spin_until(future.done, deadline)
+        return future.result()
+
+    def close(self) -> None:
+        """Destroy everything."""
+        self.executor.shutdown()
+        for node in self.nodes:
+            node.destroy_node()
+        self.context.try_shutdown()
+
+
+@pytest.fixture
+def ros() -> Iterator[RosLoop]:
+    """Nodes in process."""
+    loop = RosLoop()
+    yield loop
+    loop.close()
