@@ -32,8 +32,8 @@ def test_without_delay_it_arrives_at_once():
 
 
 def test_the_delay_is_rounded_to_nanoseconds():
-    assert DelayedLink(0.1).send(0, 0, 0.0) == 100_000_000
-    assert DelayedLink(0.3).send(0, 0, 0.0) == 300_000_000
+    assert 1.001 * 1e9 < 1_001_000_000  # so truncation would be one off
+    assert DelayedLink(1.001).send(0, 0, 0.0) == 1_001_000_000
 
 
 def test_of_several_that_arrived_the_newest_estimate_counts():

@@ -11,10 +11,10 @@ RATE = 5000
 EPOCH = 1_763_680_000
 
 
-def batch(begin, count, epoch=0):
+def batch(begin, count, epoch=0, rate=RATE):
     """Return telemetry of the samples from `begin` on."""
     rows = np.zeros((count, 3))
-    rows[:, 0] = [epoch + sample / RATE for sample in range(begin, begin + count)]
+    rows[:, 0] = [epoch + sample / rate for sample in range(begin, begin + count)]
     return rows
 
 
@@ -52,6 +52,14 @@ def test_batches_that_follow_each_other_continue_the_stream(epoch, sizes):
         begin += size
     assert begins == [True] + [False] * (len(sizes) - 1)
     assert counts(stream) == (len(sizes), 0, 0)
+
+
+def test_a_fast_stream_forgives_the_resolution_of_epoch_times():
+    """A float64 of 1.8e9 s resolves 2.4e-7 s, more than a hundredth of a sample at 50 kHz."""
+    stream = TelemetryStream(50_000)
+    assert stream.accept(batch(0, 100, EPOCH, 50_000))
+    assert not stream.accept(batch(100, 100, EPOCH, 50_000))
+    reject(stream, batch(201, 100, EPOCH, 50_000), "time step")
 
 
 def test_an_empty_batch_is_rejected(stream):

@@ -1,6 +1,7 @@
 """Message classes with the behavior of rosidl's, made on first use from the definitions."""
 
 import os
+import sys
 import threading
 from array import array
 from operator import attrgetter
@@ -103,8 +104,13 @@ def interface(module: str, name: str) -> Any:
     name : str
         Name of a message or service.
     """
-    if name == "__all__":
-        return interface_names(module)
+    found = interface_names(module) if name == "__all__" else _interface_class(module, name)
+    # Found in the module from now on: rclpy imports messages inside functions that run often.
+    setattr(sys.modules[module], name, found)
+    return found
+
+
+def _interface_class(module: str, name: str) -> type[Any]:
     package, kind = module.split(".")
     if kind == "msg" and name in message_names(package):
         return message_class(f"{package}/msg/{name}")

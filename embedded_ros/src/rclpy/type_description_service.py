@@ -20,7 +20,6 @@ class TypeDescriptionService:
 
     def __init__(self, node: Node) -> None:
         from rcl_interfaces.msg import ParameterDescriptor
-
         from type_description_interfaces.srv import GetTypeDescription
 
         self._node = weakref.ref(node)
