@@ -177,3 +177,21 @@ def test_the_quantities_of_a_dataclass_come_with_name_and_default_in_order():
 )
 def test_what_is_allowed_is_a_phrase(described, phrase):
     assert described.allowed() == phrase
+
+
+@pytest.mark.parametrize("value", [10**400, -(10**400)])
+def test_an_integer_too_large_for_a_float_is_out_of_range_like_any_other(value):
+    described = Quantity("m", "a length", minimum=0.0, maximum=1.0)
+    with pytest.raises(ValueError, match="must be 0 to 1 m"):
+        check("length", value, 0.5, described)
+
+
+def test_bytes_are_not_a_list_of_numbers():
+    described = Quantity("m", "lengths", minimum=0.0, maximum=255.0)
+    with pytest.raises(ValueError, match="must be a list"):
+        check("lengths", b"\x01\x02", (0.5,), described)
+
+
+def test_a_range_with_one_end_says_so():
+    assert Quantity("s", "a time", minimum=0.0).allowed() == "at least 0 s"
+    assert Quantity("s", "a time", maximum=9.0).allowed() == "at most 9 s"

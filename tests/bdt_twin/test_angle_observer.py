@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter
 
 from bdt_plant.plant import PlantModel
+from bdt_plant.structure import StructureParameters
 from bdt_twin.angle_observer import AngleObserver, motor_filter, structure_filter
 
 SAMPLE_TIME = 2e-4
@@ -187,3 +188,18 @@ def test_a_restart_forgets_all_samples():
 def test_a_delay_below_the_pole_excess_is_refused(delay):
     with pytest.raises(ValueError, match=rf"delay = {delay} samples: must be 1 or more"):
         AngleObserver(PlantModel(), SAMPLE_TIME, delay)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.3, 0.5])
+def test_a_structure_too_lightly_damped_for_a_stable_inverse_is_refused_by_name(damping):
+    model = PlantModel(structure=StructureParameters(damping=damping))
+    with pytest.raises(ValueError, match=r"structure\.damping = .* must be larger"):
+        AngleObserver(model, 1 / 5000, 2)
+
+
+def test_the_settling_time_follows_the_slowest_pole_of_the_filters():
+    stiff = AngleObserver(PlantModel(), 1 / 5000, 2).settling
+    # The zeros of G2 lie near exp(-k / (c f)); 1e-9 is reached after c f ln(1e9) / k samples.
+    assert stiff == pytest.approx(36.9 * 5000 * np.log(1e9) / 1e4, rel=0.05)
+    damped = PlantModel(structure=StructureParameters(damping=369.0))
+    assert AngleObserver(damped, 1 / 5000, 2).settling > 5 * stiff

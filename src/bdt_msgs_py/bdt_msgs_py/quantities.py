@@ -46,6 +46,10 @@ class Quantity:
         unit = f" {self.unit}" if self.unit else ""
         if self.minimum is not None and self.maximum is not None:
             return f"{self.minimum:g} to {self.maximum:g}{unit}"
+        if self.minimum is not None:
+            return f"at least {self.minimum:g}{unit}"
+        if self.maximum is not None:
+            return f"at most {self.maximum:g}{unit}"
         return "any"
 
 
@@ -105,7 +109,7 @@ def check(label: str, value: Any, default: Any, described: Quantity) -> None:
         With one line that names the field, the value and what is allowed.
     """
     if isinstance(default, tuple):
-        if isinstance(value, str) or not isinstance(value, Sequence):
+        if isinstance(value, (str, bytes)) or not isinstance(value, Sequence):
             raise ValueError(f"{label} = {value!r}: must be a list")
         for index, item in enumerate(value):
             check(f"{label}[{index}]", item, default[0], described)
@@ -145,5 +149,7 @@ def _check_number(label: str, value: Any, described: Quantity) -> None:
         raise ValueError(f"{label} = {value!r}: must be a number, {described.allowed()}")
     low = -math.inf if described.minimum is None else described.minimum
     high = math.inf if described.maximum is None else described.maximum
-    if not math.isfinite(value) or not low <= value <= high:
-        raise ValueError(f"{label} = {value!r} {described.unit}: must be {described.allowed()}")
+    # Compared before math.isfinite, which overflows for huge integers; NaN fails the comparison.
+    if not low <= value <= high or not math.isfinite(value):
+        unit = f" {described.unit}" if described.unit else ""
+        raise ValueError(f"{label} = {value!r}{unit}: must be {described.allowed()}")

@@ -72,7 +72,7 @@ TRUTH = Topic(
 BACKLASH_ESTIMATE = Topic(
     "backlash_estimate",
     JOINT_STATE,
-    "joint backlash_gap, position = estimate [rad]; stamp = time of the newest sample used",
+    "joint backlash_gap, position = estimate [rad]; stamp = end of the data behind it",
     transient_local=True,
     depth=1,
 )

@@ -33,7 +33,7 @@ def platform_position(stamp: int, position: float) -> JointState:
 
 
 def gap_estimate(stamp: int, gap: float) -> JointState:
-    """Return an estimate of the backlash gap: `stamp` of its newest sample [ns], `gap` [rad]."""
+    """Return an estimate of the backlash gap: `stamp` of the end of its data [ns], `gap` [rad]."""
     return _joint_position(GAP_JOINT, stamp, gap)
 
 

@@ -35,3 +35,29 @@ def play(theta_d: float, theta_m: float, gap: float) -> float:
     """
     half = 0.5 * gap
     return min(max(theta_d, theta_m - half), theta_m + half)
+
+
+def contact_side(theta_d: float, theta_m: float, gap: float) -> int:
+    """Return on which side of the gap the motor touches the screw.
+
+    Parameters
+    ----------
+    theta_d : float
+        Angle of the lead screw, from :func:`play` [rad].
+    theta_m : float
+        Angle of the motor [rad].
+    gap : float
+        Backlash gap theta_b [rad].
+
+    Returns
+    -------
+    int
+        1 if the motor is at the end of the gap from which it drives the screw forward (the one
+        case without a gap), -1 at the other end, 0 between them.
+    """
+    half = 0.5 * gap
+    if theta_d == theta_m - half:
+        return 1
+    if theta_d == theta_m + half:
+        return -1
+    return 0

@@ -5,16 +5,25 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import expm
 
 from bdt_msgs_py.quantities import quantity, validate
 from bdt_plant.gap_profile import GapProfile, gap_at
-from bdt_plant.lead_screw import LeadScrewParameters, play
-from bdt_plant.motor import MotorParameters, MotorState, MotorStep, discretize_motor, motor_step
+from bdt_plant.lead_screw import LeadScrewParameters, contact_side, play
+from bdt_plant.motor import (
+    MotorParameters,
+    MotorState,
+    MotorStep,
+    discretize_motor,
+    motor_state_space,
+    motor_step,
+)
 from bdt_plant.structure import (
     StructureParameters,
     StructureState,
     StructureStep,
     discretize_structure,
+    structure_state_space,
     structure_step,
 )
 
@@ -54,33 +63,88 @@ class PlantModel:
     structure: StructureParameters = field(default_factory=StructureParameters)
 
 
+Column = tuple[float, float, float]
+
+
+class ContactStep(NamedTuple):
+    """What the motor's curved path adds to the structure while it drives the screw.
+
+    Each row multiplies (current, speed, voltage) at the beginning of the sample.
+    """
+
+    q2: Column
+    q2_velocity: Column
+    q3: Column
+    q3_velocity: Column
+
+
 class PlantStep(NamedTuple):
     """Discrete model of the plant for one sample time."""
 
     motor: MotorStep
     structure: StructureStep
+    contact: ContactStep
     pitch: float
 
 
 class PlantState(NamedTuple):
-    """State of the plant: motor, angle of the lead screw theta_d [rad], structure."""
+    """State of the plant.
+
+    Attributes
+    ----------
+    motor : MotorState
+        Motor.
+    theta_d : float
+        Angle of the lead screw [rad].
+    contact : int
+        1 or -1 while the motor drives the screw forward or backward, 0 inside the gap.
+    structure : StructureState
+        Platforms 2 and 3.
+    """
 
     motor: MotorState
     theta_d: float
+    contact: int
     structure: StructureState
 
 
-AT_REST = PlantState(MotorState(0.0, 0.0, 0.0), 0.0, StructureState(0.0, 0.0, 0.0, 0.0))
+AT_REST = PlantState(MotorState(0.0, 0.0, 0.0), 0.0, 0, StructureState(0.0, 0.0, 0.0, 0.0))
 """Everything at zero, the motor in the middle of the gap."""
 
 
 def discretize_plant(model: PlantModel, sample_time: float) -> PlantStep:
     """Return the exact discrete model of the plant for `sample_time` [s]."""
+    motor = discretize_motor(model.motor, sample_time)
+    structure = discretize_structure(model.structure, sample_time)
     return PlantStep(
-        discretize_motor(model.motor, sample_time),
-        discretize_structure(model.structure, sample_time),
+        motor,
+        structure,
+        _contact_step(model, sample_time, motor, structure),
         model.lead_screw.pitch,
     )
+
+
+def _contact_step(
+    model: PlantModel, sample_time: float, motor: MotorStep, structure: StructureStep
+) -> ContactStep:
+    """Return the exact response to the motor's path less the one to the straight line.
+
+    In contact d follows theta_m, whose path within the sample is known from (current, speed,
+    voltage): one matrix exponential of motor and structure together gives the exact response.
+    """
+    a_motor, b_motor = motor_state_space(model.motor)
+    a_structure, b_structure = structure_state_space(model.structure)
+    joint = np.zeros((8, 8))
+    joint[:4, :4] = a_structure
+    # States 4 to 6 are current, speed and angle of the motor; d = p theta_m, d' = p omega_m.
+    joint[:4, 6] = model.lead_screw.pitch * b_structure[:, 0]
+    joint[:4, 5] = model.lead_screw.pitch * b_structure[:, 1]
+    joint[4:7, 4:7], joint[4:7, 7:] = a_motor, b_motor
+    exact = expm(joint * sample_time)[:4][:, [4, 5, 7]]
+    to_d_after = np.array([row[5] for row in structure])
+    straight = np.outer(to_d_after, model.lead_screw.pitch * np.array(motor.angle))
+    rows = (tuple(float(x) for x in row) for row in exact - straight)
+    return ContactStep(*rows)  # type: ignore[arg-type]
 
 
 def plant_step(state: PlantState, voltage: float, gap: float, step: PlantStep) -> PlantState:
@@ -99,10 +163,43 @@ def plant_step(state: PlantState, voltage: float, gap: float, step: PlantStep) -
     """
     motor = motor_step(state.motor, voltage, step.motor)
     theta_d = play(state.theta_d, motor.angle, gap)
+    contact = contact_side(theta_d, motor.angle, gap)
     structure = structure_step(
         state.structure, step.pitch * state.theta_d, step.pitch * theta_d, step.structure
     )
-    return PlantState(motor, theta_d, structure)
+    if contact != 0 and contact == state.contact:
+        structure = add_motor_path(structure, state.motor, voltage, step.contact)
+    return PlantState(motor, theta_d, contact, structure)
+
+
+def add_motor_path(
+    structure: StructureState, motor: MotorState, voltage: float, step: ContactStep
+) -> StructureState:
+    """Add to the structure what the motor's path differs from a straight line.
+
+    Parameters
+    ----------
+    structure : StructureState
+        State at the end of the sample for d linear in time.
+    motor : MotorState
+        Motor at the beginning of the sample.
+    voltage : float
+        Motor voltage u [V], held over the sample.
+    step : ContactStep
+        From :func:`discretize_plant`.
+    """
+    current, speed, _ = motor
+    q2, v2, q3, v3 = structure
+    a_i, a_w, a_u = step.q2
+    b_i, b_w, b_u = step.q2_velocity
+    c_i, c_w, c_u = step.q3
+    e_i, e_w, e_u = step.q3_velocity
+    return StructureState(
+        q2 + (a_i * current + a_w * speed + a_u * voltage),
+        v2 + (b_i * current + b_w * speed + b_u * voltage),
+        q3 + (c_i * current + c_w * speed + c_u * voltage),
+        v3 + (e_i * current + e_w * speed + e_u * voltage),
+    )
 
 
 class PlantSimulator:
@@ -122,7 +219,8 @@ class PlantSimulator:
         self._profile = profile
         self._sampling = sampling
         self._step = discretize_plant(model, 1.0 / sampling.sampling_rate)
-        self.state = AT_REST
+        # Without a gap the motor drives the screw from the very first sample.
+        self.state = AT_REST._replace(contact=contact_side(0.0, 0.0, gap_at(profile, 0.0)))
         self.sample = 0
 
     @property
@@ -142,7 +240,7 @@ class PlantSimulator:
 
     def truth(self) -> tuple[float, float, float, float, float, float, float]:
         """Return (t, theta_m, theta_d, gap, q1, q2, q3) now; see ``TRUTH_COLUMNS``."""
-        motor, theta_d, structure = self.state
+        motor, theta_d, _, structure = self.state
         return (
             self.time,
             motor.angle,

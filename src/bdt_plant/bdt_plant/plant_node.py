@@ -63,7 +63,9 @@ class PlantNode(Node):
         self.finished: Future[None] = Future()
         self._simulator = PlantSimulator(model, profile, self._sampling)
         self._followers = Followers(self._settings.lockstep_followers)
-        self._end = round(self._settings.duration * self._sampling.sampling_rate) or math.inf
+        duration = self._settings.duration
+        samples = max(round(duration * self._sampling.sampling_rate), 1)
+        self._end = samples if duration else math.inf
         self._telemetry: list[np.ndarray] = []
         self._truth: list[tuple[float, ...]] = []
         control_rate = self._sampling.control_rate

@@ -1,5 +1,6 @@
 """Angles on both sides of the backlash from voltage and position (eqs 10 and 11), as a stream."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -88,7 +89,8 @@ class AngleObserver:
     Raises
     ------
     ValueError
-        If `delay` is less than one.
+        If `delay` is less than one, or the structure has so little damping that the sampled
+        inverse is unstable.
     """
 
     def __init__(self, model: PlantModel, sample_time: float, delay: int) -> None:
@@ -99,7 +101,24 @@ class AngleObserver:
         self._motor_b, self._motor_a = motor_filter(model, sample_time)
         numerator, self._inverse_b = structure_filter(model, sample_time)
         self._inverse_a = numerator[1:]
+        zeros = np.roots(self._inverse_a)
+        if np.abs(zeros).max() >= 1.0:
+            raise ValueError(
+                f"structure.damping = {model.structure.damping!r} N s/m: must be larger, or the "
+                f"inverse of eq. 11 is unstable (zero at {np.abs(zeros).max():.3g})"
+            )
         self.restart()
+
+    @property
+    def settling(self) -> int:
+        """Samples until the filters have forgotten an unknown beginning, to one part in 1e9.
+
+        The motor's integrator never forgets, but its offset is the same for both directions.
+        """
+        poles = np.concatenate([np.roots(self._inverse_a), np.roots(self._motor_a)])
+        sizes = np.abs(poles)
+        slowest = sizes[sizes < 1.0 - 1e-9].max()
+        return math.ceil(math.log(1e-9) / math.log(slowest)) + self.delay
 
     def restart(self) -> None:
         """Forget all samples; the mechanism is taken to be at rest before the next one."""

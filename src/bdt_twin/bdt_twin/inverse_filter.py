@@ -11,16 +11,13 @@ from bdt_msgs_py.quantities import quantity, validate
 from bdt_plant.plant import PlantModel
 from bdt_twin.angle_observer import AngleObserver
 
-SETTLING_TIME = 0.1
-"""Time [s] after a restart in which the inverse filter still remembers an unknown beginning."""
-
 
 @dataclass(frozen=True)
 class InverseFilterSettings:
     """Settings of the paper's estimator; the defaults are the paper's where it gives them."""
 
     sampling_rate: float = quantity(
-        5000.0, "Hz", "sampling rate of the telemetry", minimum=1.0, maximum=1e6
+        5000.0, "Hz", "sampling rate of the telemetry", minimum=1.0, maximum=1e5
     )
     velocity_threshold: float = quantity(
         0.1,
@@ -68,7 +65,7 @@ class GapEstimate(NamedTuple):
     Attributes
     ----------
     sample : int
-        Index of the newest sample used, counted from the last restart.
+        Samples taken since the last restart when the update period of the estimate ended.
     gap : float
         Estimated gap theta_b [rad].
     forward, backward : int
@@ -181,8 +178,7 @@ class InverseFilterEstimator:
         self._theta_m = np.empty(0)
         self._theta_d = np.empty(0)
         self._next_sample = 0
-        settling = round(SETTLING_TIME * self._settings.sampling_rate)
-        self._to_skip = settling + self._settings.delay
+        self._to_skip = self._observer.settling
 
     def update(
         self, voltage: NDArray[np.float64], position: NDArray[np.float64]

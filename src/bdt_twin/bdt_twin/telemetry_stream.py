@@ -72,7 +72,7 @@ class TelemetryStream:
         step = float(steps[wrong[0]])
         where = f"at t = {rows[wrong[0] + 1 - len(before), 0]:.6f} s"
         if step <= 0:
-            return f"time goes back by {-step:.6f} s {where}"
+            return f"time goes back by {abs(step):.6f} s {where}"
         return f"time step of {step:.6f} s instead of {self._sample_time:.6f} s {where}"
 
     def _tolerance(self, rows: NDArray[np.float64]) -> float:
