@@ -89,7 +89,7 @@ def test_a_reference_from_a_topic_has_no_value_of_its_own():
         ({"table_times": (), "table_positions": ()}, r"table_positions has 0 values: .* one"),
         (
             {"table_times": (0.0, 0.0), "table_positions": (0.0, 1.0)},
-            r"table_times = \[0\.0, 0\.0\] s: must be strictly increasing",
+            r"table_times = \[0\.0, 0\.0\]: must be strictly increasing",
         ),
     ],
 )

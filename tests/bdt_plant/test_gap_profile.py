@@ -94,8 +94,8 @@ def test_an_array_of_times_gives_the_very_same_floats(kind):
         ({"table_gaps": (0.0, float("nan"))}, r"table_gaps\[1\] = nan rad: must be 0 to 100 rad"),
         ({"table_gaps": (0.0,)}, r"table_gaps has 1 values: .* as table_times \(2\)"),
         ({"table_times": (), "table_gaps": ()}, r"table_gaps has 0 values: .* at least one"),
-        ({"table_times": (1.0, 1.0)}, r"table_times = \[1\.0, 1\.0\] s: .* strictly increasing"),
-        ({"table_times": (2.0, 1.0)}, r"table_times = \[2\.0, 1\.0\] s: .* strictly increasing"),
+        ({"table_times": (1.0, 1.0)}, r"table_times = \[1\.0, 1\.0\]: .* strictly increasing"),
+        ({"table_times": (2.0, 1.0)}, r"table_times = \[2\.0, 1\.0\]: .* strictly increasing"),
     ],
 )
 def test_a_fault_is_named_with_its_value_and_what_is_allowed(fault, text):

@@ -4,7 +4,7 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass
 
-from bdt_msgs_py.quantities import quantity, validate
+from bdt_msgs_py.quantities import quantity, validate, validate_table
 
 KINDS = ("square", "table", "topic")
 
@@ -42,15 +42,7 @@ class Reference:
 
     def __post_init__(self) -> None:
         validate(self)
-        if len(self.table_times) != len(self.table_positions) or not self.table_times:
-            raise ValueError(
-                f"Reference.table_positions has {len(self.table_positions)} values: "
-                f"must have as many as table_times ({len(self.table_times)}), at least one"
-            )
-        if any(b <= a for a, b in zip(self.table_times, self.table_times[1:], strict=False)):
-            raise ValueError(
-                f"Reference.table_times = {list(self.table_times)} s: must be strictly increasing"
-            )
+        validate_table(self, "table_times", "table_positions")
 
 
 def reference_at(reference: Reference, time: float) -> float:

@@ -9,6 +9,7 @@ documentation are derived from the same field.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
+from itertools import pairwise
 from typing import Any
 
 _METADATA_KEY = "quantity"
@@ -138,6 +139,32 @@ def validate(parameters: Any) -> None:
     for name, default, described in quantities_of(parameters):
         label = f"{type(parameters).__name__}.{name}"
         check(label, getattr(parameters, name), default, described)
+
+
+def validate_table(parameters: Any, abscissa: str, ordinate: str) -> None:
+    """Check two fields that together are a table; call it from ``__post_init__``.
+
+    Parameters
+    ----------
+    parameters : dataclass instance
+        Its fields `abscissa` and `ordinate` are tuples of float.
+    abscissa, ordinate : str
+        Names of the fields.
+
+    Raises
+    ------
+    ValueError
+        If the lengths differ or are zero, or the abscissa does not increase strictly.
+    """
+    owner = type(parameters).__name__
+    points, values = getattr(parameters, abscissa), getattr(parameters, ordinate)
+    if len(points) != len(values) or not points:
+        raise ValueError(
+            f"{owner}.{ordinate} has {len(values)} values: "
+            f"must have as many as {abscissa} ({len(points)}), at least one"
+        )
+    if any(after <= before for before, after in pairwise(points)):
+        raise ValueError(f"{owner}.{abscissa} = {list(points)}: must be strictly increasing")
 
 
 def _text_rule(described: Quantity) -> str:

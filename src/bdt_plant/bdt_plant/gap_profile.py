@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_msgs_py.quantities import quantity, validate
+from bdt_msgs_py.quantities import quantity, validate, validate_table
 
 KINDS = ("constant", "ramp", "power_law", "table")
 
@@ -40,15 +40,7 @@ class GapProfile:
 
     def __post_init__(self) -> None:
         validate(self)
-        if len(self.table_times) != len(self.table_gaps) or not self.table_times:
-            raise ValueError(
-                f"GapProfile.table_gaps has {len(self.table_gaps)} values: "
-                f"must have as many as table_times ({len(self.table_times)}), at least one"
-            )
-        if any(b <= a for a, b in zip(self.table_times, self.table_times[1:], strict=False)):
-            raise ValueError(
-                f"GapProfile.table_times = {list(self.table_times)} s: must be strictly increasing"
-            )
+        validate_table(self, "table_times", "table_gaps")
 
 
 def gap_at(profile: GapProfile, time: float) -> float:

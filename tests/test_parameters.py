@@ -1,21 +1,27 @@
-"""The table of the parameters of the plant node."""
+"""The parameter tables of all nodes, each in its package's `parameters.py`."""
 
 from dataclasses import fields
 
 import pytest
 
+from bdt_bringup.configuration import NODES
+from bdt_bringup.recorder_settings import PARAMETERS as RECORDER_PARAMETERS
 from bdt_msgs_py.quantities import quantities_of
-from bdt_plant.parameters import PARAMETERS
+
+TABLES = {**NODES, "recorder": RECORDER_PARAMETERS}
 
 with_each_dataclass = pytest.mark.parametrize(
-    "declared", [declared for _, declared in PARAMETERS], ids=lambda declared: declared.__name__
+    "declared",
+    sorted(
+        {kind for table in TABLES.values() for _, kind in table}, key=lambda kind: kind.__name__
+    ),
+    ids=lambda declared: declared.__name__,
 )
 
 
-def test_no_two_parameters_share_a_name():
-    names = [
-        (prefix, name) for prefix, declared in PARAMETERS for name, _, _ in quantities_of(declared)
-    ]
+@pytest.mark.parametrize("node", TABLES)
+def test_no_two_parameters_of_a_node_share_a_name(node):
+    names = [(prefix, name) for prefix, kind in TABLES[node] for name, _, _ in quantities_of(kind)]
     assert len(set(names)) == len(names)
     prefixes = {prefix for prefix, _ in names if prefix}
     assert not prefixes & {name for prefix, name in names if not prefix}
@@ -41,3 +47,19 @@ def test_every_number_has_both_bounds(declared):
         if isinstance(first, (int, float)) and not isinstance(first, bool):
             assert quantity.minimum is not None, name
             assert quantity.maximum is not None, name
+
+
+def test_what_tunes_the_running_loop_can_be_reconfigured():
+    reconfigurable = {
+        name
+        for _, kind in NODES["controller"]
+        for name, _, quantity in quantities_of(kind)
+        if quantity.reconfigurable
+    }
+    assert reconfigurable == {
+        "dead_zone_tolerance",
+        "proportional",
+        "integral",
+        "derivative",
+        "filter_time",
+    }
