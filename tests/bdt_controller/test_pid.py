@@ -18,7 +18,7 @@ from bdt_controller.pid import (
 )
 
 PERIOD = 2e-3
-K_P, K_I, K_D, T_F = 3113.0, 32770.0, -316.6, 0.085
+K_P, K_I, K_D, T_F = 3080.0, 30800.0, -308.4, 0.074
 EQ_4 = control.tf([K_P * T_F + K_D, K_P + K_I * T_F, K_I], [T_F, 1, 0])
 
 gains = st.builds(
@@ -130,11 +130,11 @@ def open_loop(pid):
 
 
 def test_the_default_gains_meet_what_the_paper_designed_for():
-    """A bandwidth of 10 rad/s and a phase margin of at least 10 degrees; here 16."""
+    """A bandwidth of 10 rad/s and a phase margin of at least 10 degrees; here 17."""
     margins = control.stability_margins(open_loop(PidGains()), returnall=True)
     phase_margins, crossovers = np.abs(margins[1]), margins[4]
     assert crossovers.min() == pytest.approx(10.0, abs=0.1)
-    assert phase_margins.min() == pytest.approx(16.0, abs=0.5)
+    assert phase_margins.min() == pytest.approx(16.8, abs=0.5)
 
 
 def test_the_loop_of_the_default_gains_is_stable():

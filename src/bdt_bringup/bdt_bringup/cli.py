@@ -1,4 +1,4 @@
-"""The command ``bdt``: run the loop, analyze a bag."""
+"""The command ``bdt``: run the loop, analyze a bag, design the controller, measure."""
 
 import argparse
 import json
@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from bdt_bringup.bag_reader import BagError
+from bdt_bringup.bench_table import bench_table
 from bdt_bringup.configuration import BadInputError, load_configuration
 from bdt_bringup.run_plan import plan_run
 from bdt_bringup.step_table import step_table
@@ -75,6 +76,27 @@ def _analyze(options: argparse.Namespace) -> int:
     return 0
 
 
+def _design(options: argparse.Namespace) -> int:
+    from bdt_bringup.design_command import run_design  # noqa: PLC0415
+
+    run_design(options.output, as_json=options.json)
+    return 0
+
+
+def _bench(options: argparse.Namespace) -> int:
+    from bdt_bringup.bench import BENCHMARKS, run_benchmarks  # noqa: PLC0415
+
+    for name in options.names:
+        if name not in BENCHMARKS:
+            raise BadInputError(f"benchmark {name!r}: must be one of {', '.join(BENCHMARKS)}")
+    measured = run_benchmarks(options.names)
+    if options.json:
+        print(json.dumps(measured, indent=2))
+    else:
+        Console().print(bench_table(measured["results"]))
+    return 0
+
+
 def _report(bag: Path, output: Path, *, as_json: bool) -> None:
     from bdt_bringup.analyze import analyze  # noqa: PLC0415
     from bdt_bringup.report import verdict  # noqa: PLC0415
@@ -135,6 +157,29 @@ def _parser() -> argparse.ArgumentParser:
     )
     analyze_command.add_argument("--json", action="store_true", help="print summary.json")
     analyze_command.set_defaults(command=_analyze)
+    bench = commands.add_parser(
+        "bench",
+        help="measure the offline core beside a peer and a floor",
+        description="Medians of one run on this machine, with ratios to a reference.",
+    )
+    bench.add_argument("names", nargs="*", metavar="NAME", help="benchmarks (default: all)")
+    bench.add_argument("--json", action="store_true", help="print the results as JSON")
+    bench.set_defaults(command=_bench)
+    design = commands.add_parser(
+        "design",
+        help="design the PID and draw Bode, Nyquist and step response",
+        description="Repeat the design behind the default gains: first gain crossover at "
+        "10 rad/s, phase margins of 10 degrees or more, smallest maximum sensitivity.",
+    )
+    design.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE",
+        default=Path("design.png"),
+        help="picture (default: design.png)",
+    )
+    design.add_argument("--json", action="store_true", help="print gains and margins as JSON")
+    design.set_defaults(command=_design)
     return parser
 
 

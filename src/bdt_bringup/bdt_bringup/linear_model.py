@@ -1,0 +1,185 @@
+"""Linear models of eqs 2, 3 and 4 for python-control, and the loop they make without backlash.
+
+Everything is built from the state spaces of the cores in ``bdt_plant`` and from the step function
+of the PID in ``bdt_controller``: these are the one implementation of each equation. All models are
+:class:`control.StateSpace`; ``control.tf`` of one gives the fraction that the paper prints.
+"""
+
+import numpy as np
+from control import StateSpace, feedback, sample_system
+from numpy.typing import NDArray
+
+from bdt_controller.pid import PidGains, PidState, discretize_pid, pid_step
+from bdt_plant.motor import MotorParameters, motor_state_space
+from bdt_plant.plant import PlantModel
+from bdt_plant.structure import StructureParameters, structure_state_space
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+def motor_model(motor: MotorParameters) -> StateSpace:
+    """Return eq. 2, from the voltage u [V] to the angle theta_m [rad].
+
+    Parameters
+    ----------
+    motor : MotorParameters
+        Constants of the motor.
+
+    Returns
+    -------
+    control.StateSpace
+        States (i [A], omega_m [rad/s], theta_m [rad]).
+    """
+    a, b = motor_state_space(motor)
+    return StateSpace(a, b, [[0, 0, 1]], 0, inputs=["u"], outputs=["theta_m"])
+
+
+def structure_model(structure: StructureParameters) -> StateSpace:
+    """Return eq. 3, from the position d [m] of the lead screw's end to q3 [m].
+
+    The core is driven by d and d': x' = A x + b1 d + b2 d'. With z = x - b2 d the derivative of
+    the input disappears: z' = A z + (b1 + A b2) d.
+
+    Parameters
+    ----------
+    structure : StructureParameters
+        Constants of the structure.
+
+    Returns
+    -------
+    control.StateSpace
+        Four states, those of the core less b2 d.
+    """
+    a, b = structure_state_space(structure)
+    top = np.array([[0.0, 0.0, 1.0, 0.0]])
+    shifted = b[:, :1] + a @ b[:, 1:]
+    return StateSpace(a, shifted, top, top @ b[:, 1:], inputs=["d"], outputs=["q3"])
+
+
+def pid_model(gains: PidGains) -> StateSpace:
+    """Return eq. 4, from the error e [m] to the voltage u [V].
+
+    Parameters
+    ----------
+    gains : PidGains
+        Gains of eq. 4.
+
+    Returns
+    -------
+    control.StateSpace
+        States as in :class:`bdt_controller.pid.PidState`.
+    """
+    corner = 1.0 / gains.filter_time
+    derivative = gains.derivative * corner
+    return StateSpace(
+        [[0, 0], [0, -corner]],
+        [[1], [corner]],
+        [[gains.integral, -derivative]],
+        gains.proportional + derivative,
+        inputs=["e"],
+        outputs=["u"],
+    )
+
+
+def plant_model(model: PlantModel) -> StateSpace:
+    """Return eqs 1, 2 and 3 in a row with theta_d = theta_m, from u [V] to q3 [m].
+
+    Parameters
+    ----------
+    model : PlantModel
+        Constants of the mechanism.
+    """
+    return structure_model(model.structure) * (model.lead_screw.pitch * motor_model(model.motor))
+
+
+def loop_transfer(model: PlantModel, gains: PidGains) -> StateSpace:
+    """Return the loop transfer function L = C_PID p G1 G2, from e [m] to q3 [m] (eqs 1 to 5).
+
+    It is also the loop around the backlash: cut open between theta_m and theta_d, the linear part
+    from theta_d to theta_m is -L.
+
+    Parameters
+    ----------
+    model : PlantModel
+        Constants of the mechanism.
+    gains : PidGains
+        Gains of eq. 4.
+    """
+    return plant_model(model) * pid_model(gains)
+
+
+def sampled_loop_transfer(model: PlantModel, gains: PidGains, control_rate: float) -> StateSpace:
+    """Return the loop as the controller node closes it: PID of the core, voltage held.
+
+    Parameters
+    ----------
+    model : PlantModel
+        Constants of the mechanism.
+    gains : PidGains
+        Gains of eq. 4.
+    control_rate : float
+        Rate of measurements [Hz].
+
+    Returns
+    -------
+    control.StateSpace
+        In discrete time; exact at the instants of measurement.
+    """
+    period = 1.0 / control_rate
+    return sample_system(plant_model(model), period, "zoh") * _sampled_pid(gains, period)
+
+
+def closed_loop(loop: StateSpace) -> StateSpace:
+    """Return T = L / (1 + L), from the reference r [m] to q3 [m].
+
+    Parameters
+    ----------
+    loop : control.StateSpace
+        L, in continuous or discrete time.
+    """
+    return feedback(loop, 1)
+
+
+def is_stable(loop: StateSpace) -> bool:
+    """Tell whether the closed loop of `loop` is asymptotically stable.
+
+    Parameters
+    ----------
+    loop : control.StateSpace
+        L, in continuous or discrete time.
+    """
+    poles = closed_loop(loop).poles()
+    return bool((abs(poles) < 1).all() if loop.isdtime(strict=True) else (poles.real < 0).all())
+
+
+def frequency_response(system: StateSpace, frequency: FloatArray) -> ComplexArray:
+    """Return the response of a system with one input and one output.
+
+    Parameters
+    ----------
+    system : control.StateSpace
+        In continuous or discrete time.
+    frequency : ndarray, shape (n,)
+        Angular frequencies [rad/s]; up to the Nyquist frequency in discrete time.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Complex response.
+    """
+    point = 1j * frequency
+    values = system(np.exp(point * system.dt) if system.isdtime(strict=True) else point)
+    return np.asarray(values, dtype=np.complex128)
+
+
+def _sampled_pid(gains: PidGains, period: float) -> StateSpace:
+    """Return the core's PID as a discrete system: the columns are its answers to unit vectors."""
+    step = discretize_pid(gains, period)
+    columns = [
+        pid_step(PidState(integral, filtered), error, step)
+        for integral, filtered, error in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    ]
+    state = np.array([following for following, _ in columns]).T
+    voltage = np.array([[value for _, value in columns]])
+    return StateSpace(state[:, :2], state[:, 2:], voltage[:, :2], voltage[:, 2:], period)
