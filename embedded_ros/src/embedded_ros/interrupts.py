@@ -51,9 +51,10 @@ def install(signals: set[int]) -> None:
     if threading.current_thread() is not threading.main_thread():
         return
     for number in signals:
-        # With the default action no byte would arrive: the process would just die.
-        if signal.getsignal(number) is signal.SIG_DFL:
-            _replaced[number] = signal.SIG_DFL
+        # With the default action no byte would arrive: the process would just die. A shell without
+        # job control has background programs ignore SIGINT; rclpy's handlers replace that, too.
+        if signal.getsignal(number) in (signal.SIG_DFL, signal.SIG_IGN):
+            _replaced[number] = signal.getsignal(number)
             signal.signal(number, _ignore)
 
 
