@@ -92,3 +92,26 @@ def test_a_signal_ends_a_blocked_program_at_once(how, number, lines, code):
     assert sorted(out.splitlines()) == sorted(lines)
     assert process.returncode == code
     assert errors == ""
+
+
+def test_ctrl_c_ends_a_program_that_a_shell_started_in_the_background():
+    """Such a program inherits that SIGINT is ignored; the handlers of rclpy replace that.
+
+    As with rclpy, a signal that comes before or between two waits lets ``spin`` return; one that
+    comes during a wait raises.
+    """
+    ignoring = ["bash", "-c", "trap '' INT; exec \"$@\"", "bash"]
+    with subprocess.Popen(
+        [*ignoring, sys.executable, "-c", PROGRAM, "spin"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout.readline() == "ready\n"
+        process.send_signal(signal.SIGINT)
+        out, errors = process.communicate(timeout=10)
+    spun, ended = out.splitlines()
+    assert spun in {"main returned", "main ExternalShutdownException"}
+    assert ended == "not ok"
+    assert process.returncode == 0
+    assert errors == ""

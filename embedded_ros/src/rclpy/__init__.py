@@ -78,10 +78,11 @@ _global_executor: Executor | None = None
 def get_global_executor() -> Executor:
     """Return the executor of the module's spin functions."""
     global _global_executor
-    if _global_executor is None:
+    executor = _global_executor
+    if executor is None:
         from rclpy.executors import SingleThreadedExecutor
 
-        _global_executor = SingleThreadedExecutor()
+        executor = _global_executor = SingleThreadedExecutor()
 
         def reset() -> None:
             global _global_executor
@@ -89,8 +90,9 @@ def get_global_executor() -> Executor:
                 _global_executor.shutdown()
             _global_executor = None
 
+        # A signal may have shut the context down by now: then this resets at once.
         get_default_context().on_shutdown(reset)
-    return _global_executor
+    return executor
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
