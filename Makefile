@@ -37,7 +37,7 @@ $(VENV)/.ready: requirements.lock $(wildcard src/*/setup.py) embedded_ros/pyproj
 
 # Prints the tables of topics and parameters in README.md.
 tables: setup
-	@$(BIN)/python -m bdt_bringup.interface_tables
+	@$(BIN)/python -m bdt_bringup.running.interface_tables
 
 # Resolves requirements.in anew; the lock file holds hashes and names no index.
 lock:

@@ -4,8 +4,8 @@ from dataclasses import fields
 
 import pytest
 
-from bdt_bringup.configuration import NODES
-from bdt_bringup.recorder_settings import PARAMETERS as RECORDER_PARAMETERS
+from bdt_bringup.running.configuration import NODES
+from bdt_bringup.running.recorder_settings import PARAMETERS as RECORDER_PARAMETERS
 from bdt_msgs_py.quantities import quantities_of
 
 TABLES = {**NODES, "recorder": RECORDER_PARAMETERS}

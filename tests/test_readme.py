@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from bdt_bringup.interface_tables import all_tables
+from bdt_bringup.running.interface_tables import all_tables
 
 README = Path(__file__).parents[1] / "README.md"
 

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from rich.console import Console
 
-from bdt_bringup.bag_reader import BagError
-from bdt_bringup.bench_table import bench_table
-from bdt_bringup.configuration import BadInputError, load_configuration
-from bdt_bringup.run_plan import plan_run
-from bdt_bringup.step_table import step_table
+from bdt_bringup.analysis.step_table import step_table
+from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.benchmarks.bench_table import bench_table
+from bdt_bringup.running.configuration import BadInputError, load_configuration
+from bdt_bringup.running.run_plan import plan_run
 from bdt_msgs_py.node_main import BAD_INPUT, FAILED, LoopError
 
 INTERRUPTED = 130
@@ -50,7 +50,7 @@ def run_command(arguments: Sequence[str] | None = None) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     # The loop starts without waiting for the plotting libraries, and a bag needs no rclpy.
-    from bdt_bringup.run import run_loop  # noqa: PLC0415
+    from bdt_bringup.running.run import run_loop  # noqa: PLC0415
 
     plan = plan_run(
         load_configuration(options.config),
@@ -77,14 +77,14 @@ def _analyze(options: argparse.Namespace) -> int:
 
 
 def _design(options: argparse.Namespace) -> int:
-    from bdt_bringup.design_command import run_design  # noqa: PLC0415
+    from bdt_bringup.design.command import run_design  # noqa: PLC0415
 
     run_design(options.output, as_json=options.json)
     return 0
 
 
 def _bench(options: argparse.Namespace) -> int:
-    from bdt_bringup.bench import BENCHMARKS, run_benchmarks  # noqa: PLC0415
+    from bdt_bringup.benchmarks.bench import BENCHMARKS, run_benchmarks  # noqa: PLC0415
 
     for name in options.names:
         if name not in BENCHMARKS:
@@ -98,8 +98,8 @@ def _bench(options: argparse.Namespace) -> int:
 
 
 def _report(bag: Path, output: Path, *, as_json: bool) -> None:
-    from bdt_bringup.analyze import analyze  # noqa: PLC0415
-    from bdt_bringup.report import verdict  # noqa: PLC0415
+    from bdt_bringup.analysis.analyze import analyze  # noqa: PLC0415
+    from bdt_bringup.analysis.report import verdict  # noqa: PLC0415
 
     summary = analyze(bag, output)
     if as_json:

@@ -15,7 +15,7 @@ class PidGains:
     """Gains of eq. 4; the paper leaves them open.
 
     The defaults put the first gain crossover at 10 rad/s with a smallest phase margin of 17
-    degrees for the plant of table 1 (designed by :func:`bdt_bringup.pid_design.design_pid`).
+    degrees for the plant of table 1 (designed by :func:`bdt_bringup.design.pid_design.design_pid`).
     """
 
     proportional: float = quantity(

@@ -1,0 +1,1 @@
+"""What a run was like: numbers for each step, figures, report."""

@@ -1,0 +1,80 @@
+"""From a bag to a report: load, analyze, write."""
+
+from pathlib import Path
+
+from bdt_bringup.analysis.figures import overview_figure, residual_figure
+from bdt_bringup.analysis.reference_steps import ReferenceStep, find_steps
+from bdt_bringup.analysis.report import render_report
+from bdt_bringup.analysis.summary import Summary, summarize
+from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.recording import Recording, load_recording
+from bdt_bringup.drawing.figure_style import svg_text, write_png
+
+SUMMARY_FILE = "summary.json"
+REPORT_FILE = "report.html"
+FIGURE_FILE = "figure.png"
+
+
+def analyze(bag: Path, output: Path | None = None) -> Summary:
+    """Analyze a bag and write ``report.html``, ``summary.json`` and ``figure.png``.
+
+    Parameters
+    ----------
+    bag : Path
+        A rosbag2 folder or a bare ``.mcap`` or ``.db3`` file; it is not changed.
+    output : Path, optional
+        Folder for the results, created if necessary; results of an earlier analysis are
+        replaced. None writes nothing.
+
+    Returns
+    -------
+    Summary
+        The numbers.
+
+    Raises
+    ------
+    BagError
+        If the bag cannot be analyzed or the folder cannot be written.
+    """
+    recording = load_recording(Path(bag))
+    steps = find_steps(recording.reference, recording.telemetry, recording.sample_time)
+    summary = summarize(recording, steps)
+    if output is not None:
+        _prepare(Path(output), Path(bag))
+        _write(Path(output), recording, steps, summary)
+    return summary
+
+
+def _prepare(output: Path, bag: Path) -> None:
+    """Create the folder; refuse one that is a bag or lies in it."""
+    try:
+        folder, source = output.resolve(), bag.resolve()
+        if folder.is_relative_to(source) or (folder / "metadata.yaml").exists():
+            raise BagError(f"output {output}: is a bag, which is left as it is: must be elsewhere")
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _not_writable(output, error) from None
+
+
+def _write(
+    output: Path, recording: Recording, steps: list[ReferenceStep], summary: Summary
+) -> None:
+    overview = overview_figure(recording, steps, summary.steps)
+    residuals = residual_figure(recording, steps, summary.steps)
+    report = render_report(
+        recording,
+        steps,
+        summary,
+        svg_text(overview, "overview"),
+        svg_text(residuals, "residuals") if residuals is not None else None,
+    )
+    try:
+        (output / SUMMARY_FILE).write_text(summary.to_json(), encoding="utf-8")
+        (output / REPORT_FILE).write_text(report, encoding="utf-8")
+        write_png(overview, output / FIGURE_FILE)
+    except OSError as error:
+        raise _not_writable(output, error) from None
+
+
+def _not_writable(output: Path, error: OSError) -> BagError:
+    return BagError(f"output {output}: cannot be written: {error.strerror or error}")

@@ -1,0 +1,33 @@
+"""The steps of a run as a short table for the terminal."""
+
+from rich.table import Table
+
+from bdt_bringup.analysis.summary import Summary
+
+
+def step_table(summary: Summary) -> Table:
+    """Return a table with one row a step: reference, residual, bias, settling, limit cycle.
+
+    Parameters
+    ----------
+    summary : Summary
+        From :func:`bdt_bringup.analysis.analyze.analyze`.
+    """
+    table = Table()
+    for column in ("begin, s", "r, mm", "residual p-p, um", "bias, %", "settling, s"):
+        table.add_column(column, justify="right")
+    table.add_column("limit cycle")
+    for step in summary.steps:
+        table.add_row(
+            f"{step.t_start_s:g}",
+            f"{step.reference_m * 1e3:g}",
+            _number(step.residual_peak_to_peak_m, 1e6, ".1f"),
+            _number(step.bias_percent_of_amplitude, 1.0, "+.2f"),
+            _number(step.settling_time_s, 1.0, ".2f"),
+            {True: "yes", False: "no", None: "-"}[step.limit_cycle],
+        )
+    return table
+
+
+def _number(value: float | None, scale: float, form: str) -> str:
+    return "-" if value is None else format(value * scale, form)

@@ -1,0 +1,110 @@
+"""The result of an analysis: what stands in ``summary.json``."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from bdt_bringup.analysis.estimate_analysis import EstimateSummary, summarize_estimate
+from bdt_bringup.analysis.reference_steps import ReferenceStep
+from bdt_bringup.analysis.step_analysis import StepSummary, summarize_step
+from bdt_bringup.bags.completeness import lost_messages
+from bdt_bringup.bags.recording import Recording
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A run in numbers; the fields are those of ``summary.json``, None is written as null.
+
+    Attributes
+    ----------
+    duration_s : float
+        Time covered by the telemetry [s].
+    real_time_factor : float or None
+        Simulated time per wall-clock time.
+    steps : tuple of StepSummary
+        The steps of the reference.
+    estimate : EstimateSummary
+        Estimate against truth, and its lag.
+    reconfigurations : int
+        Number of times that the controller's dead zone was set.
+    dead_zone_final_m : float or None
+        Dead-zone tolerance at the end [m].
+    messages : mapping of str to int
+        Number of messages by topic.
+    lost_messages : int
+        Number of missing measurements, commands and telemetry batches.
+    """
+
+    duration_s: float
+    real_time_factor: float | None
+    steps: tuple[StepSummary, ...]
+    estimate: EstimateSummary
+    reconfigurations: int
+    dead_zone_final_m: float | None
+    messages: Mapping[str, int]
+    lost_messages: int
+
+    def to_dictionary(self) -> dict[str, Any]:
+        """Return what ``summary.json`` holds; a number that is not finite becomes None."""
+        dictionary: dict[str, Any] = _finite(asdict(self))
+        return dictionary
+
+    def to_json(self) -> str:
+        """Return the text of ``summary.json``."""
+        return json.dumps(self.to_dictionary(), indent=2, allow_nan=False) + "\n"
+
+    @property
+    def limit_cycles(self) -> tuple[StepSummary, ...]:
+        """Steps that end in a limit cycle."""
+        return tuple(step for step in self.steps if step.limit_cycle)
+
+    @property
+    def worst_bias(self) -> StepSummary | None:
+        """Step with the largest bias relative to its height, without its sign."""
+        known = [step for step in self.steps if step.bias_percent_of_amplitude is not None]
+        return max(known, key=lambda step: abs(step.bias_percent_of_amplitude or 0.0), default=None)
+
+    @property
+    def worst_residual(self) -> StepSummary | None:
+        """Step with the largest peak to peak at its end."""
+        known = [step for step in self.steps if step.residual_peak_to_peak_m is not None]
+        return max(known, key=lambda step: step.residual_peak_to_peak_m or 0.0, default=None)
+
+
+def summarize(recording: Recording, steps: list[ReferenceStep]) -> Summary:
+    """Return the summary of a run.
+
+    Parameters
+    ----------
+    recording : Recording
+        A loaded bag.
+    steps : list of ReferenceStep
+        Its steps.
+    """
+    dead_zones = recording.dead_zones
+    return Summary(
+        duration_s=recording.duration,
+        real_time_factor=recording.real_time_factor,
+        steps=tuple(
+            summarize_step(step, recording.telemetry, recording.sample_time) for step in steps
+        ),
+        estimate=summarize_estimate(
+            recording.truth, recording.estimates, dead_zones, recording.pitch
+        ),
+        reconfigurations=recording.reconfigurations,
+        dead_zone_final_m=float(dead_zones[-1, 1]) if len(dead_zones) else None,
+        messages=recording.message_counts,
+        lost_messages=lost_messages(recording),
+    )
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,1 @@
+"""Bags as numpy arrays, without ROS."""

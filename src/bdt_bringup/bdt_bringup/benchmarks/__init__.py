@@ -1,0 +1,1 @@
+"""Measurements beside a peer and a floor."""

@@ -1,0 +1,1 @@
+"""Linear analysis and the design of the PID."""

@@ -1,0 +1,1 @@
+"""Limit cycles of the linear controller, predicted and simulated."""

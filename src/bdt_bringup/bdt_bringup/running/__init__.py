@@ -1,0 +1,1 @@
+"""Starting the nodes, watching them, recording what they say."""

@@ -1,0 +1,1 @@
+"""The closed loop offline: the step functions of the nodes, compiled."""

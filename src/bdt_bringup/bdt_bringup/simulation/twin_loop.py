@@ -1,0 +1,158 @@
+"""The closed loop offline with the digital twin in it: estimator, slow link, reconfiguration.
+
+The compiled loop runs from one batch of telemetry to the next. Whatever the twin sends arrives
+after the batch behind it, so the dead zone of the next stretch is known before it is computed.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_bringup.simulation.closed_loop import (
+    SIGNALS,
+    Scenario,
+    Trajectory,
+    loop_step,
+    sample_inputs,
+    signals_for,
+    trajectory_of,
+)
+from bdt_bringup.simulation.loop_kernel import SIMULATED, LoopInputs, loop_at_rest, run_kernel
+from bdt_msgs_py.reading import nanoseconds_from_seconds
+from bdt_twin.dead_zone_width import tolerance_for_gap
+from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
+from bdt_twin.link import DelayedLink
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class TwinTrajectory:
+    """What a simulation with the twin gives.
+
+    Attributes
+    ----------
+    loop : Trajectory
+        Signals of the loop.
+    tolerances : ndarray, shape (control steps,)
+        Dead-zone tolerance epsilon_dz in force at each measurement [m].
+    estimate_times : ndarray, shape (m,)
+        Times of the estimates: ends of the update periods behind them [s].
+    estimates : ndarray, shape (m,)
+        Estimated gaps theta_b [rad].
+    """
+
+    loop: Trajectory
+    tolerances: FloatArray
+    estimate_times: FloatArray
+    estimates: FloatArray
+
+
+def simulate_with_twin(
+    scenario: Scenario,
+    settings: InverseFilterSettings | None = None,
+    delay: float | Callable[[], float] = 1.0,
+    telemetry_period: float = 0.1,
+    keep: Sequence[str] = SIGNALS,
+) -> TwinTrajectory:
+    """Simulate the reconfigurable controller (figures 5 and 7).
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The loop; its dead zone holds until the first reconfiguration arrives.
+    settings : InverseFilterSettings, optional
+        Settings of the estimator; None for the paper's at the scenario's sampling rate.
+    delay : float or callable
+        Communication delay [s], or a function without arguments that draws one for each
+        reconfiguration.
+    telemetry_period : float
+        Time covered by one batch of telemetry [s], rounded to whole control periods.
+    keep : sequence of str
+        Signals of the loop to keep, out of ``SIGNALS``; u and q3 are always kept.
+
+    Returns
+    -------
+    TwinTrajectory
+        Loop, dead zone and estimates.
+    """
+    sampling = scenario.sampling
+    rate, hold = sampling.sampling_rate, sampling.samples_per_control_step
+    keep = (*keep, "u", "q3")
+    inputs, signals = sample_inputs(scenario), signals_for(scenario, keep)
+    u, q3 = (signals[SIMULATED.index(name)] for name in ("u", "q3"))
+    step, state = loop_step(scenario), loop_at_rest(float(inputs.gaps[0]))
+    twin = _Twin(scenario, settings or InverseFilterSettings(sampling_rate=rate), delay)
+
+    tolerances = inputs.tolerances.copy()
+    batch = max(round(telemetry_period * sampling.control_rate), 1)
+    for first in range(0, scenario.control_steps, batch):
+        steps = slice(first, min(first + batch, scenario.control_steps))
+        samples = slice(steps.start * hold, steps.stop * hold)
+        stamps = [round(k * hold * 1e9 / rate) for k in range(steps.start, steps.stop)]
+        tolerances[steps] = twin.dead_zones(stamps, tolerances[steps])
+        stretch = LoopInputs(
+            inputs.references[steps],
+            tolerances[steps],
+            inputs.gaps[samples.start : samples.stop + 1],
+        )
+        state = run_kernel(state, step, stretch, tuple(signal[samples] for signal in signals))
+        twin.take_telemetry((samples.stop - 1) / rate, u[samples], q3[samples])
+    return TwinTrajectory(
+        trajectory_of(scenario, inputs, signals, keep),
+        tolerances,
+        np.array(twin.estimate_times),
+        np.array(twin.estimates),
+    )
+
+
+class _Twin:
+    """Estimator and link, as the twin's node puts them together."""
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        settings: InverseFilterSettings,
+        delay: float | Callable[[], float],
+    ) -> None:
+        self._rate = settings.sampling_rate
+        self._pitch = scenario.model.lead_screw.pitch
+        self._estimator = InverseFilterEstimator(scenario.model, settings)
+        # The delay may differ from message to message, so it is added to the time of sending.
+        self._link = DelayedLink(0.0)
+        self._delay = delay if callable(delay) else lambda: delay
+        self._in_force: float | None = None
+        self.estimate_times: list[float] = []
+        self.estimates: list[float] = []
+
+    def dead_zones(self, stamps: list[int], before: FloatArray) -> FloatArray:
+        """Return the tolerances in force at the next measurements [m].
+
+        Parameters
+        ----------
+        stamps : list of int
+            Times of the measurements [ns].
+        before : ndarray, shape (len(stamps),)
+            Tolerances without the twin [m].
+        """
+        tolerances = before.copy()
+        for k, stamp in enumerate(stamps):
+            arrived = self._link.deliver(stamp)
+            if arrived is not None:
+                self._in_force = arrived.tolerance
+            if self._in_force is not None:
+                tolerances[k] = self._in_force
+        return tolerances
+
+    def take_telemetry(self, newest: float, voltage: FloatArray, position: FloatArray) -> None:
+        """Estimate from a batch whose last sample has the time `newest` [s], and send (eq. 9)."""
+        estimates = self._estimator.update(voltage, position)
+        for estimate in estimates:
+            self.estimate_times.append(estimate.sample / self._rate)
+            self.estimates.append(estimate.gap)
+        if estimates:
+            sent = nanoseconds_from_seconds(newest) + round(self._delay() * 1e9)
+            stamp = round(estimates[-1].sample * 1e9 / self._rate)
+            self._link.send(sent, stamp, tolerance_for_gap(estimates[-1].gap, self._pitch))

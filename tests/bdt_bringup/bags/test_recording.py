@@ -1,0 +1,191 @@
+"""What a recording says, whatever its clocks, topics and gaps."""
+
+import numpy as np
+import pytest
+
+from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.completeness import lost_messages, missing_batches, missing_stamps
+from bdt_bringup.bags.recording import load_recording
+from bdt_msgs_py.topics import (
+    BACKLASH_ESTIMATE,
+    COMMAND,
+    MEASUREMENT,
+    REFERENCE,
+    TELEMETRY,
+    TRUTH,
+)
+from bdt_plant.lead_screw import LeadScrewParameters
+
+TIME = np.arange(1000) * 0.01
+
+
+@pytest.fixture
+def signal(signal_messages):
+    return signal_messages(TIME, np.sin(TIME), [(0.0, 1.0)])
+
+
+def test_loop(following_bag):
+    recording = load_recording(following_bag)
+    assert recording.telemetry.shape == (100_000, 3)
+    assert recording.truth.shape == (10_000, 7)
+    assert recording.sample_time == pytest.approx(2e-4)
+    assert recording.duration == pytest.approx(20.0)
+    assert recording.real_time_factor == pytest.approx(4.0)
+    assert recording.reference.tolist() == [[0, 5e-3], [5, 0], [10, 5e-3], [15, 0]]
+    assert recording.reconfigurations == len(recording.dead_zones) - 1 > 50
+    assert recording.dead_zones[0].tolist() == [0.0, 0.0]
+    assert recording.measurement_stamps == pytest.approx(np.arange(10_000) / 500)
+    assert recording.pitch == LeadScrewParameters().pitch
+    assert lost_messages(recording) == 0
+
+
+def test_namespace(loop_messages, tmp_path):
+    messages = loop_messages(duration=4.0, step_time=2.0, namespace="/lab/rig_1", delay=0.2)
+    recording = load_recording(messages.write(tmp_path / "bag"))
+    assert recording.message_counts["/lab/rig_1/telemetry"] == 40
+    assert recording.reconfigurations > 5
+    assert len(recording.dead_zones) == recording.reconfigurations + 1
+
+
+def test_only_what_is_required(signal, tmp_path):
+    recording = load_recording(signal.write(tmp_path / "bag"))
+    assert recording.truth is None
+    assert recording.estimates.shape == recording.dead_zones.shape == (0, 2)
+    assert recording.reconfigurations == 0
+    assert recording.real_time_factor == pytest.approx(4.0)
+    assert lost_messages(recording) == 0
+
+
+def test_recorded_topics_without_messages(signal, tmp_path):
+    """A recorder creates every topic, also those nobody publishes."""
+    path = signal.write(tmp_path / "bag", empty=(TRUTH, BACKLASH_ESTIMATE, MEASUREMENT))
+    recording = load_recording(path)
+    assert recording.truth is None
+    assert recording.message_counts["/truth"] == 0
+    with pytest.raises(BagError, match="/reference has no messages"):
+        load_recording(signal.without(REFERENCE).write(tmp_path / "b", empty=(REFERENCE,)))
+
+
+def test_wall_clock_telemetry(signal_messages, tmp_path):
+    start = 1_800_000_000.0
+    time = start + 0.25 + TIME
+    messages = signal_messages(time, np.sin(TIME), [(start + 0.25, 1.0), (start + 5, 2.0)])
+    recording = load_recording(messages.write(tmp_path / "bag"))
+    assert recording.time_origin == start
+    assert recording.telemetry[0, 0] == pytest.approx(0.25)
+    assert recording.reference[:, 0] == pytest.approx([0.25, 5.0])
+
+
+def test_controller_on_the_wall_clock(signal, tmp_path):
+    """Stamps of another clock are replaced by the time of what was received with them."""
+    signal.dead_zone(1_800_000_000.0, 1e-5, initial=True, received=0.0)
+    signal.dead_zone(1_800_000_001.0, 2e-5, received=5.0)
+    dead_zones = load_recording(signal.write(tmp_path / "bag")).dead_zones
+    assert dead_zones[:, 1].tolist() == [1e-5, 2e-5]
+    assert dead_zones[1, 0] == pytest.approx(5.0, abs=1.0)
+
+
+def test_reference_without_stamps(signal, tmp_path):
+    signal.reference(0.0, 2.0, received=5.0)
+    reference = load_recording(signal.write(tmp_path / "bag")).reference
+    assert reference[1] == pytest.approx([5.0, 2.0], abs=1.0)
+
+
+def test_first_dead_zone_from_diagnostics(signal, tmp_path):
+    """Parameter events are volatile: a late recorder has missed the first value."""
+    for time, value in ((1.0, 3e-5), (2.0, 3e-5), (7.0, 4e-5)):
+        signal.diagnosed_dead_zone(time, value)
+    recording = load_recording(signal.write(tmp_path / "a"))
+    assert recording.dead_zones[:, 1].tolist() == [3e-5, 4e-5]
+    assert recording.reconfigurations == 0
+    signal.dead_zone(6.0, 4e-5)
+    recording = load_recording(signal.write(tmp_path / "b"))
+    assert recording.dead_zones[:, 1].tolist() == [3e-5, 4e-5]
+    assert recording.reconfigurations == 1
+
+
+def test_two_controllers(signal, tmp_path):
+    for namespace in ("/a", "/b"):
+        signal.namespace = namespace
+        signal.dead_zone(1.0, 1e-5)
+    with pytest.raises(BagError, match="/a/controller and /b/controller both have"):
+        load_recording(signal.write(tmp_path / "bag"))
+
+
+def test_pitch_of_the_bag(signal, tmp_path):
+    signal.parameter(0.0, "/plant", "lead_screw.pitch", 2e-4, initial=True)
+    assert load_recording(signal.write(tmp_path / "bag")).pitch == 2e-4
+
+
+def test_layout_of_telemetry(signal, tmp_path):
+    signal.items.append(signal.items[0])
+    signal.add(TELEMETRY, 20.0, signal.rows_message(np.zeros((2, 2)), ("t[s]", "u[V]")))
+    with pytest.raises(BagError, match=r"of /telemetry: sample columns .* must be"):
+        load_recording(signal.write(tmp_path / "bag"))
+
+
+def test_joint_of_the_reference(signal, tmp_path):
+    signal.add(REFERENCE, 3.0, signal.joint_message("elbow", 3.0, position=[1.0]))
+    with pytest.raises(BagError, match=r"of /reference: .*platform_3"):
+        load_recording(signal.write(tmp_path / "bag"))
+
+
+def test_two_runs_in_one_bag(signal, signal_messages, tmp_path):
+    other = signal_messages(TIME, np.cos(TIME), [(0.0, 1.0)])
+    signal.items.extend((name, type_, t + 20, m) for name, type_, t, m in other.items)
+    with pytest.raises(BagError, match="two different samples for t = 0 s: must hold one run"):
+        load_recording(signal.write(tmp_path / "bag"))
+
+
+def test_repeated_and_late_batches(signal, tmp_path):
+    name, type_, received, message = next(x for x in signal.items if x[0] == "/telemetry")
+    signal.items.append((name, type_, received + 3, message))
+    recording = load_recording(signal.write(tmp_path / "bag"))
+    assert recording.telemetry[:, 0] == pytest.approx(TIME)
+
+
+def test_samples_that_are_not_finite_are_left_out(signal_messages, tmp_path):
+    position = np.sin(TIME)
+    position[[3, 4]] = np.nan, 1e200
+    messages = signal_messages(TIME, position, [(0.0, 1.0), (2.0, np.nan)])
+    recording = load_recording(messages.write(tmp_path / "bag"))
+    assert len(recording.telemetry) == 998
+    assert len(recording.reference) == 1
+    nothing = signal_messages(TIME, position * np.nan, [(0.0, 1.0)])
+    with pytest.raises(BagError, match="0 valid samples: must have at least two"):
+        load_recording(nothing.write(tmp_path / "b"))
+
+
+@pytest.mark.parametrize(("topic", "every"), [(MEASUREMENT, 700), (COMMAND, 700), (TELEMETRY, 7)])
+def test_lost_messages(following_loop, tmp_path, topic, every):
+    name = f"/{topic.name}"
+    numbers = [k for k, item in enumerate(following_loop.items) if item[0] == name]
+    dropped = set(numbers[::every])
+    messages = following_loop.without()
+    messages.items = [x for k, x in enumerate(messages.items) if k not in dropped]
+    assert lost_messages(load_recording(messages.write(tmp_path / "bag"))) == len(dropped)
+
+
+def test_recording_that_began_late_has_lost_nothing(following_loop, tmp_path):
+    messages = following_loop.without()
+    messages.items = [item for item in messages.items if item[2] > 7.0]
+    messages.reference(5.0, 0.0)
+    assert lost_messages(load_recording(messages.write(tmp_path / "bag"))) == 0
+
+
+def test_missing_stamps():
+    grid = np.arange(100) * 0.002
+    assert missing_stamps(grid, 0.0, grid[-1]) == 0
+    assert missing_stamps(np.append(grid, grid), 0.0, grid[-1] + 0.0018) == 0
+    assert missing_stamps(np.delete(grid, [0, 50, 51, 99]), 0.0, grid[-1]) == 4
+    assert missing_stamps(np.delete(grid, [0, 1]), np.nan, grid[-1]) == 0
+    assert missing_stamps(grid[:1], 0.0, 1.0) == 0
+
+
+def test_missing_batches():
+    times = np.arange(1000) * 0.01
+    assert missing_batches(times, 100, 0.0, 10.5) == 0
+    assert missing_batches(times, 100, 0.0, 11.0) == 1
+    assert missing_batches(np.delete(times, slice(200, 400)), 100, 0.0, 10.0) == 2
+    assert missing_batches(times[100:], 100, 0.0, np.nan) == 1
+    assert missing_batches(times[100:], 100, np.nan, np.nan) == 0

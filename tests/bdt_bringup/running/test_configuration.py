@@ -1,0 +1,127 @@
+"""Parameter files are checked as a whole before anything starts."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bdt_bringup.running.configuration import (
+    NODES,
+    BadInputError,
+    known_parameters,
+    load_configuration,
+)
+
+CONFIG = Path(__file__).parents[3] / "config"
+
+
+def written(folder, text):
+    path = folder / "file.yaml"
+    path.write_text(text)
+    return path
+
+
+def parameters(node, text):
+    return f"{node}:\n  ros__parameters:\n    {text}\n"
+
+
+@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone"])
+def test_the_shipped_configurations_are_valid(name):
+    configuration = load_configuration(CONFIG / f"{name}.yaml")
+    assert configuration.name == name
+    assert configuration.value("plant", "duration") == 120.0
+
+
+def test_the_configurations_differ_in_the_dead_zone_and_in_reconfiguration_alone():
+    paper, linear, fixed = (
+        load_configuration(CONFIG / f"{name}.yaml")
+        for name in ("paper", "linear", "fixed_dead_zone")
+    )
+    assert paper.values["plant"] == linear.values["plant"] == fixed.values["plant"]
+    assert paper.value("twin", "reconfigure") is True
+    assert linear.value("twin", "reconfigure") is fixed.value("twin", "reconfigure") is False
+    assert linear.value("controller", "dead_zone_tolerance") == 0.0
+    # 10 degrees of a screw with 1 mm travel per turn.
+    assert fixed.value("controller", "dead_zone_tolerance") == pytest.approx(1e-3 * 10 / 360)
+
+
+def test_without_a_file_everything_has_its_default():
+    configuration = load_configuration(None)
+    for node in NODES:
+        for name, (default, _) in known_parameters(node).items():
+            assert configuration.value(node, name) == default
+
+
+def test_nested_and_dotted_names_wildcards_and_namespaces_are_the_same_parameters(tmp_path):
+    dotted = load_configuration(written(tmp_path, parameters("/**/plant", "gap.final: 0.1")))
+    assert dotted.value("plant", "gap.final") == 0.1
+    nested = load_configuration(written(tmp_path, parameters("/cell/plant", "gap: {final: 0.1}")))
+    assert nested.value("plant", "gap.final") == 0.1
+    wild = load_configuration(written(tmp_path, parameters("/**", "motor.inertia: 1.0e-5")))
+    assert wild.value("plant", "motor.inertia") == wild.value("twin", "motor.inertia") == 1e-5
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "must be a ROS parameter file"),
+        ("[1, 2]", "must be a ROS parameter file"),
+        ("plant: [", "is not YAML"),
+        ("plant: 3", "plant: must hold the key ros__parameters, only"),
+        ("plant: {ros_parameters: {}}", "plant: must hold the key ros__parameters, only"),
+        (parameters("plnt", "duration: 1.0"), "plnt: is not a node, must be one of plant"),
+        (parameters("plant", "duraton: 1.0"), "duraton = 1.0: is not a parameter of this node"),
+        (parameters("plant", "duraton: 1.0"), "did you mean duration?"),
+        (parameters("plant", "duration: -1.0"), "duration = -1.0 s: must be 0 to 1e+09 s"),
+        (parameters("plant", "duration: .nan"), "duration = nan s: must be"),
+        (parameters("plant", "duration: 10"), "duration = 10: must be written with a decimal"),
+        (parameters("plant", "duration: long"), "duration = 'long': must be a number"),
+        (parameters("plant", "mode: warp"), "mode = 'warp': must be one of lockstep, realtime"),
+        (parameters("plant", "control_rate: 300.0"), "control_rate = 300.0 Hz: must divide"),
+        (parameters("plant", "gap.table_times: [0.0, 1]"), "must be written with a decimal"),
+        (parameters("plant", "gap.table_times: 1.0"), "gap.table_times = 1.0: must be a list"),
+        (parameters("twin", "reconfigure: 'yes'"), "reconfigure = 'yes': must be true or false"),
+        (parameters("twin", "estimator.delay: 2.0"), "estimator.delay = 2.0: must be an integer"),
+    ],
+)
+def test_a_mistake_is_named_with_file_key_value_and_what_is_allowed(tmp_path, text, says):
+    path = written(tmp_path, text)
+    with pytest.raises(BadInputError) as caught:
+        load_configuration(path)
+    assert says in str(caught.value)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_that_is_missing_a_folder_or_not_text_is_one_line(tmp_path):
+    binary = tmp_path / "binary.yaml"
+    binary.write_bytes(b"\xff\xfe\x00\x81")
+    for path in (tmp_path / "none.yaml", tmp_path, binary):
+        with pytest.raises(BadInputError, match=r"cannot be read|is not YAML") as caught:
+            load_configuration(path)
+        assert "\n" not in str(caught.value)
+
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda children: st.lists(children) | st.dictionaries(st.text(), children),
+    max_leaves=8,
+)
+
+
+@given(st.dictionaries(st.sampled_from([*NODES, "/**", "x"]), json_values))
+def test_whatever_stands_in_a_file_the_answer_is_a_configuration_or_one_line(
+    tmp_path_factory, document
+):
+    wrapped = {node: {"ros__parameters": value} for node, value in document.items()}
+    path = tmp_path_factory.mktemp("any") / "any.yaml"
+    path.write_text(yaml.safe_dump(wrapped))
+    try:
+        load_configuration(path)
+    except BadInputError as error:
+        line = str(error)
+    else:
+        line = ""
+    assert "\n" not in line

@@ -1,0 +1,63 @@
+"""What a run starts is decided, and refused, before anything is started."""
+
+from pathlib import Path
+
+import pytest
+
+from bdt_bringup.running.configuration import BadInputError, load_configuration
+from bdt_bringup.running.run_plan import plan_run
+
+CONFIG = Path(__file__).parents[3] / "config"
+
+
+def plan(**changes):
+    choices = {
+        "mode": None,
+        "duration": None,
+        "processes": "separate",
+        "output": None,
+        "record": True,
+    }
+    configuration = load_configuration(changes.pop("config", None))
+    return plan_run(configuration, **{**choices, **changes})
+
+
+def test_duration_and_mode_come_from_the_command_line_then_the_file_then_the_default(tmp_path):
+    path = tmp_path / "short.yaml"
+    path.write_text("plant: {ros__parameters: {duration: 7.0, mode: realtime}}")
+    assert plan(config=path, duration=3.0, mode="lockstep").duration == 3.0
+    assert plan(config=path).duration == 7.0
+    assert plan(config=path).mode == "realtime"
+    assert plan().duration == 120.0
+    assert plan().mode == "lockstep"
+
+
+def test_the_plant_waits_for_twin_and_recorder_and_the_others_use_simulated_time(tmp_path):
+    recorded = plan(config=CONFIG / "paper.yaml", output=tmp_path / "run")
+    assert "lockstep_followers:=[twin, recorder]" in recorded.ros_arguments("plant")
+    assert str(CONFIG / "paper.yaml") in recorded.ros_arguments("twin")
+    for node in ("controller", "twin"):
+        assert "use_sim_time:=true" in recorded.ros_arguments(node)
+    assert "lockstep_followers:=[twin]" in plan(record=False).ros_arguments("plant")
+
+
+def test_the_plant_starts_last_because_it_drives_the_others():
+    assert plan().nodes == ["controller", "twin", "recorder", "plant"]
+    assert plan(record=False).nodes == ["controller", "twin", "plant"]
+
+
+@pytest.mark.parametrize("duration", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_duration_that_is_not_positive_and_finite_is_refused(duration):
+    with pytest.raises(BadInputError, match=r"--duration .* must be above 0"):
+        plan(duration=duration)
+
+
+def test_a_folder_that_holds_something_is_refused_and_an_empty_one_is_not(tmp_path):
+    assert plan(output=tmp_path).output == tmp_path
+    (tmp_path / "bag").mkdir()
+    with pytest.raises(BadInputError, match="already holds a run"):
+        plan(output=tmp_path)
+    file = tmp_path / "file"
+    file.touch()
+    with pytest.raises(BadInputError, match="already holds a run"):
+        plan(output=file)

@@ -1,0 +1,75 @@
+"""The compiled loop with the twin against the plain Python loop, which the nodes equal."""
+
+import numpy as np
+import pytest
+
+from bdt_bringup.simulation.closed_loop import Scenario, simulate
+from bdt_bringup.simulation.twin_loop import simulate_with_twin
+from bdt_controller.controller import ControllerSettings, DeadZoneController
+from bdt_controller.pid import PidGains
+from bdt_controller.reference import Reference, reference_at
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_twin.dead_zone_width import tolerance_for_gap
+from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
+
+SCENARIO = Scenario(6.0, Reference(step_time=2.0), GapProfile(growth_time=8.0))
+
+
+def python_loop(delay):
+    """Return telemetry as ``offline_loop`` of tests/test_loop.py computes it."""
+    plant = PlantSimulator(PlantModel(), SCENARIO.gap, Sampling())
+    controller = DeadZoneController(PidGains(), ControllerSettings())
+    estimator = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
+    rows, on_the_way = [], []
+    for step in range(SCENARIO.control_steps):
+        while on_the_way and on_the_way[0][0] <= plant.nanoseconds:
+            settings = ControllerSettings(dead_zone_tolerance=on_the_way.pop(0)[1])
+            controller.configure(PidGains(), settings)
+        r = reference_at(SCENARIO.reference, plant.time)
+        rows.append(plant.advance(controller.step(r, plant.position)))
+        if (step + 1) % 50 == 0:
+            batch = np.concatenate(rows[-50:])
+            estimates = estimator.update(batch[:, 1], batch[:, 2])
+            if estimates:
+                tolerance = tolerance_for_gap(estimates[-1].gap, PlantModel().lead_screw.pitch)
+                on_the_way.append((round((batch[-1, 0] + delay) * 1e9), tolerance))
+    return np.concatenate(rows)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.33, 0.3301, 1.0])
+def test_the_loop_is_that_of_the_nodes_bit_for_bit(delay):
+    result = simulate_with_twin(SCENARIO, delay=delay)
+    actual = np.column_stack([result.loop.t, result.loop.u, result.loop.q3])
+    assert actual.tobytes() == python_loop(delay).tobytes()
+    assert result.estimates.shape == result.estimate_times.shape
+    assert np.count_nonzero(np.diff(result.tolerances)) > 5
+
+
+def test_the_dead_zones_reported_are_those_that_acted():
+    result = simulate_with_twin(SCENARIO, delay=0.33)
+    again = simulate(Scenario(6.0, SCENARIO.reference, SCENARIO.gap, result.tolerances))
+    for name in ("u", "theta_d", "q1", "q3"):
+        assert getattr(again, name).tobytes() == getattr(result.loop, name).tobytes()
+
+
+def test_a_reconfiguration_arrives_after_its_delay():
+    result = simulate_with_twin(SCENARIO, delay=0.33, keep=())
+    first = np.flatnonzero(result.tolerances)[0] / 500.0
+    sent = result.estimate_times[np.flatnonzero(result.estimates > 0)[0]]
+    # It is sent at the end of the batch in which its update period ended.
+    assert first == pytest.approx(np.ceil(sent / 0.1) * 0.1 + 0.33, abs=0.002)
+    assert result.loop.q2.size == 0
+
+
+def test_the_delay_may_differ_from_message_to_message():
+    fixed = simulate_with_twin(SCENARIO, delay=0.33)
+    drawn = simulate_with_twin(SCENARIO, delay=lambda: 0.33)
+    assert fixed.loop.q3.tobytes() == drawn.loop.q3.tobytes()
+    generator = np.random.default_rng(1)
+    random = simulate_with_twin(SCENARIO, delay=lambda: generator.uniform(0.0, 0.5))
+    assert random.tolerances.tobytes() != fixed.tolerances.tobytes()
+    assert set(random.tolerances) <= {
+        0.0,
+        *(tolerance_for_gap(gap, PlantModel().lead_screw.pitch) for gap in random.estimates),
+    }
