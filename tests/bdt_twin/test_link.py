@@ -53,6 +53,26 @@ def test_what_is_still_on_its_way_stays_there():
     assert link.deliver(2 * SECOND) == Reconfiguration(2 * SECOND, SECOND, 2e-5)
 
 
+def test_an_older_estimate_that_comes_late_is_dropped():
+    link = DelayedLink(0.0)
+    link.send(5, 1, 1e-5)
+    link.send(3, 2, 2e-5)
+    assert link.deliver(4) == Reconfiguration(3, 2, 2e-5)
+    assert link.deliver(6) is None
+    link.send(7, 3, 3e-5)
+    assert link.deliver(7) == Reconfiguration(7, 3, 3e-5)
+
+
+def test_after_dropping_everything_older_estimates_count_again():
+    """Simulated time may have begun anew."""
+    link = DelayedLink(0.0)
+    link.send(5, 5, 1e-5)
+    link.deliver(5)
+    link.drop()
+    link.send(1, 1, 2e-5)
+    assert link.deliver(1) == Reconfiguration(1, 1, 2e-5)
+
+
 def test_the_next_arrival_is_known():
     link = DelayedLink(1.0)
     assert link.next_due() is None
