@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.step_analysis import StepSummary
-from bdt_bringup.bags.recording import Recording
 from bdt_bringup.drawing import figure_style as style
 from bdt_bringup.drawing.decimation import envelope
+from bdt_bringup.run_signals import RunSignals
 
 FloatArray = NDArray[np.float64]
 
@@ -21,13 +21,13 @@ MOST_PANELS = 24
 
 
 def overview_figure(
-    recording: Recording, steps: list[ReferenceStep], results: tuple[StepSummary, ...]
+    run: RunSignals, steps: list[ReferenceStep], results: tuple[StepSummary, ...]
 ) -> Figure:
     """Return reference and position, motor voltage, and gap with estimate and dead zone over time.
 
     Parameters
     ----------
-    recording : Recording
+    run : RunSignals
         The run.
     steps : list of ReferenceStep
         Its steps.
@@ -38,22 +38,22 @@ def overview_figure(
         figure = style.new_figure(9.6, 7.6)
         grid = figure.subplots(3, 1, sharex=True, height_ratios=(1.15, 1.0, 1.15))
         position, voltage, gap = grid.tolist()
-        _draw_position(position, recording, steps)
-        _draw_voltage(voltage, recording)
-        _draw_gap(gap, recording)
+        _draw_position(position, run, steps)
+        _draw_voltage(voltage, run)
+        _draw_gap(gap, run)
         for axes in (position, voltage, gap):
             _shade_limit_cycles(axes, steps, results, label=axes is position)
         style.outside_legend(position, 3)
-        begin, end = recording.telemetry[0, 0], recording.telemetry[-1, 0]
-        gap.set_xlim(begin, end + recording.sample_time)
-        gap.set_xlabel(_time_label(recording))
+        begin, end = run.telemetry[0, 0], run.telemetry[-1, 0]
+        gap.set_xlim(begin, end + run.sample_time)
+        gap.set_xlabel(_time_label(run))
         figure.align_ylabels([position, voltage, gap])
         style.fix_layout(figure)
     return figure
 
 
 def residual_figure(
-    recording: Recording, steps: list[ReferenceStep], results: tuple[StepSummary, ...]
+    run: RunSignals, steps: list[ReferenceStep], results: tuple[StepSummary, ...]
 ) -> Figure | None:
     """Return the residual q3 - r of each step, enlarged to what is left at its end.
 
@@ -62,20 +62,20 @@ def residual_figure(
 
     Parameters
     ----------
-    recording, steps, results
+    run, steps, results
         See :func:`overview_figure`.
     """
     shown = shown_residuals(results)
     if not shown:
         return None
-    limit = 1e6 * _residual_limit(recording, [steps[k] for k in shown])
+    limit = 1e6 * _residual_limit(run, [steps[k] for k in shown])
     columns = min(4, len(shown))
     rows = -(-len(shown) // columns)
     with style.house_style():
         figure = style.new_figure(9.6, 0.8 + 1.75 * rows)
         panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         for axes, k in zip(panels.flat, shown, strict=False):
-            _draw_residual(axes, recording, steps[k], results[k])
+            _draw_residual(axes, run, steps[k], results[k])
         for axes in panels.flat[len(shown) :]:
             axes.set_visible(False)
         panels[0, 0].set_ylim(-limit, limit)
@@ -96,11 +96,9 @@ def shown_residuals(results: tuple[StepSummary, ...]) -> list[int]:
     return sorted(sorted(sizes, key=lambda k: sizes[k], reverse=True)[:MOST_PANELS])
 
 
-def _draw_position(axes: Axes, recording: Recording, steps: list[ReferenceStep]) -> None:
-    time, _, q3 = recording.telemetry.T
-    axes.plot(
-        *_line(recording, time, 1e3 * q3), color=style.POSITION, label="position $q_3$", lw=1.3
-    )
+def _draw_position(axes: Axes, run: RunSignals, steps: list[ReferenceStep]) -> None:
+    time, _, q3 = run.telemetry.T
+    axes.plot(*_line(run, time, 1e3 * q3), color=style.POSITION, label="position $q_3$", lw=1.3)
     edges = np.array([[step.t_start, step.t_end] for step in steps]).ravel()
     levels = np.array([[step.reference, step.reference] for step in steps]).ravel()
     if len(steps):
@@ -115,27 +113,27 @@ def _draw_position(axes: Axes, recording: Recording, steps: list[ReferenceStep])
     _letter(axes, "(a)")
 
 
-def _draw_voltage(axes: Axes, recording: Recording) -> None:
-    time, voltage, _ = recording.telemetry.T
-    axes.plot(*_line(recording, time, voltage), color=style.INK, lw=0.9)
+def _draw_voltage(axes: Axes, run: RunSignals) -> None:
+    time, voltage, _ = run.telemetry.T
+    axes.plot(*_line(run, time, voltage), color=style.INK, lw=0.9)
     axes.set_ylabel("motor voltage u [V]")
     _letter(axes, "(b)")
 
 
-def _draw_gap(axes: Axes, recording: Recording) -> None:
-    end = recording.telemetry[-1, 0]
-    if recording.truth is not None:
-        gap = np.rad2deg(recording.truth[:, 3])
+def _draw_gap(axes: Axes, run: RunSignals) -> None:
+    end = run.telemetry[-1, 0]
+    if run.truth is not None:
+        gap = np.rad2deg(run.truth[:, 3])
         axes.plot(
-            *envelope(recording.truth[:, 0], gap, COLUMNS),
+            *envelope(run.truth[:, 0], gap, COLUMNS),
             color=style.INK,
             lw=2.4,
             alpha=0.55,
             label="true gap",
         )
     for rows, scale, color, dashes, label in (
-        (recording.estimates, 1.0, style.ESTIMATE, "-", "estimated gap"),
-        (recording.dead_zones, recording.pitch, style.DEAD_ZONE, (0, (3, 1.5)), "dead zone ε/p"),
+        (run.estimates, 1.0, style.ESTIMATE, "-", "estimated gap"),
+        (run.dead_zones, run.pitch, style.DEAD_ZONE, (0, (3, 1.5)), "dead zone ε/p"),
     ):
         if len(rows):
             time = np.append(rows[:, 0], max(end, rows[-1, 0]))
@@ -148,7 +146,7 @@ def _draw_gap(axes: Axes, recording: Recording) -> None:
                 drawstyle="steps-post",
                 label=label,
             )
-    micrometers = np.deg2rad(1.0) * recording.pitch * 1e6
+    micrometers = np.deg2rad(1.0) * run.pitch * 1e6
     right = axes.secondary_yaxis(
         "right", functions=(lambda x: x * micrometers, lambda x: x / micrometers)
     )
@@ -162,19 +160,17 @@ def _draw_gap(axes: Axes, recording: Recording) -> None:
     _letter(axes, "(c)")
 
 
-def _draw_residual(
-    axes: Axes, recording: Recording, step: ReferenceStep, result: StepSummary
-) -> None:
-    time, _, q3 = recording.telemetry.T
+def _draw_residual(axes: Axes, run: RunSignals, step: ReferenceStep, result: StepSummary) -> None:
+    time, _, q3 = run.telemetry.T
     first, end = np.searchsorted(time, [step.t_start, step.t_end])
     axes.axvspan(step.length - step.window, step.length, color=style.WINDOW, lw=0)
-    edges, tolerance = _dead_zone_within(recording.dead_zones, step)
+    edges, tolerance = _dead_zone_within(run.dead_zones, step)
     axes.fill_between(edges, -1e6 * tolerance, 1e6 * tolerance, step="post", color=style.BAND, lw=0)
     for sign in (-1e6, 1e6):
         axes.step(edges, sign * tolerance, where="post", color=style.DEAD_ZONE, lw=0.7, ls="--")
     residual = 1e6 * (q3[first:end] - step.reference)
     axes.plot(
-        *_line(recording, time[first:end] - step.t_start, residual, COLUMNS // 3),
+        *_line(run, time[first:end] - step.t_start, residual, COLUMNS // 3),
         color=style.POSITION,
         lw=0.9,
     )
@@ -204,14 +200,14 @@ def _dead_zone_within(dead_zones: FloatArray, step: ReferenceStep) -> tuple[Floa
     return times, np.append(rows[:, 1], rows[-1, 1])
 
 
-def _residual_limit(recording: Recording, steps: list[ReferenceStep]) -> float:
+def _residual_limit(run: RunSignals, steps: list[ReferenceStep]) -> float:
     """Return the half height of the panels [m]: residuals at the ends and dead zones fit in."""
-    time, _, q3 = recording.telemetry.T
+    time, _, q3 = run.telemetry.T
     largest = 0.0
     for step in steps:
         first, end = np.searchsorted(time, [step.t_end - step.window, step.t_end])
         largest = max(largest, float(np.max(np.abs(q3[first:end] - step.reference), initial=0.0)))
-        tolerance = _dead_zone_within(recording.dead_zones, step)[1]
+        tolerance = _dead_zone_within(run.dead_zones, step)[1]
         largest = max(largest, float(np.max(tolerance, initial=0.0)))
     return 1.2 * largest or 1e-6
 
@@ -238,16 +234,16 @@ def _shade_limit_cycles(
 
 
 def _line(
-    recording: Recording, time: FloatArray, value: FloatArray, columns: int = COLUMNS
+    run: RunSignals, time: FloatArray, value: FloatArray, columns: int = COLUMNS
 ) -> tuple[FloatArray, FloatArray]:
-    return envelope(time, value, columns, 1.5 * recording.sample_time)
+    return envelope(time, value, columns, 1.5 * run.sample_time)
 
 
 def _letter(axes: Axes, text: str) -> None:
     axes.set_title(text, loc="left", fontweight="bold", pad=4)
 
 
-def _time_label(recording: Recording) -> str:
-    if recording.time_origin:
-        return f"time − {recording.time_origin:.0f} s [s]"  # noqa: RUF001 - a minus sign
+def _time_label(run: RunSignals) -> str:
+    if run.time_origin:
+        return f"time − {run.time_origin:.0f} s [s]"  # noqa: RUF001 - a minus sign
     return "time t [s]"

@@ -19,6 +19,7 @@ from bdt_bringup.bags.recording_clock import (
     on_telemetry_clock,
     reception_clock,
 )
+from bdt_bringup.run_signals import RunSignals
 from bdt_msgs_py.reading import read_position, read_samples
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
@@ -49,36 +50,20 @@ SHORTEST_SAMPLE_TIME = 1e-9
 """Telemetry is not sampled faster than this [s]."""
 
 
-@dataclass(frozen=True)
-class Recording:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recording(RunSignals):
     """What a bag says about one run.
 
-    All times are seconds on the clock of the telemetry, less `time_origin`.
+    The pitch is the paper's unless the bag tells another.
 
     Attributes
     ----------
     path : Path
         The bag.
-    time_origin : float
-        Zero for simulated time; the whole second at which the telemetry begins when its clock
-        counts from 1970 [s].
-    telemetry : ndarray, shape (n, 3)
-        Rows of (t [s], u [V], q3 [m]), t strictly increasing.
     batch_rows : int
         Median number of rows of a telemetry message.
-    truth : ndarray, shape (m, 7), or None
-        Rows of (t, theta_m, theta_d, gap, q1, q2, q3) [s, rad, m].
-    reference : ndarray, shape (k, 2)
-        Rows of (time from which it holds [s], r [m]).
-    estimates : ndarray, shape (k, 2)
-        Rows of (time of the newest sample used [s], gap [rad]).
-    dead_zones : ndarray, shape (k, 2)
-        Rows of (time [s], dead-zone tolerance [m] from then on), the initial one included when
-        the bag has it.
     reconfigurations : int
         Number of times that the dead zone was set while the controller ran.
-    pitch : float
-        Pitch of the lead screw [m/rad]; the paper's unless the bag tells another.
     measurement_stamps, command_stamps : ndarray, shape (k,)
         Stamps [s] in the order of the bag.
     receive_clock : ndarray, shape (k, 2)
@@ -89,29 +74,12 @@ class Recording:
     """
 
     path: Path
-    time_origin: float
-    telemetry: FloatArray
     batch_rows: int
-    truth: FloatArray | None
-    reference: FloatArray
-    estimates: FloatArray
-    dead_zones: FloatArray
     reconfigurations: int
-    pitch: float
     measurement_stamps: FloatArray
     command_stamps: FloatArray
     receive_clock: FloatArray
     message_counts: Mapping[str, int]
-
-    @property
-    def sample_time(self) -> float:
-        """Sample time of the telemetry [s]."""
-        return float(np.median(np.diff(self.telemetry[:, 0])))
-
-    @property
-    def duration(self) -> float:
-        """Time covered by the telemetry [s], the last sample's own sample time included."""
-        return float(self.telemetry[-1, 0] - self.telemetry[0, 0]) + self.sample_time
 
     @property
     def real_time_factor(self) -> float | None:

@@ -13,8 +13,9 @@ from bdt_bringup.limit_cycles.theory import (
     describing_function_cycle,
     harmonic_balance_cycle,
 )
-from bdt_controller.pid import INITIAL_PID, PidGains, discretize_pid, pid_step
-from bdt_plant.plant import AT_REST, PlantModel, Sampling, discretize_plant, plant_step
+from bdt_bringup.simulation.closed_loop import Scenario, simulate
+from bdt_controller.pid import PidGains
+from bdt_plant.plant import PlantModel, Sampling
 
 FloatArray = NDArray[np.float64]
 
@@ -51,7 +52,7 @@ def simulated_cycle(
     settling_time: float = 15.0,
     observed_time: float = 10.0,
 ) -> LimitCycle | None:
-    """Return the limit cycle that the cores run into at a constant gap.
+    """Return the limit cycle that the simulated loop runs into at a constant gap.
 
     The reference steps by the lost motion p theta_b, comparable to the limit cycle, so that it
     comes soon at any gap.
@@ -72,10 +73,18 @@ def simulated_cycle(
         than 2 % over the observed time: it decays or is not yet there.
     """
     sampling = sampling or Sampling()
-    position, angle = _simulate(model, gains, gap, sampling, settling_time + observed_time)
+    scenario = Scenario(
+        duration=settling_time + observed_time,
+        reference=model.lead_screw.pitch * gap,
+        gap=gap,
+        model=model,
+        gains=gains,
+        sampling=sampling,
+    )
+    trajectory = simulate(scenario, ("q3", "theta_m"))
     rate = sampling.sampling_rate
     observed = slice(round(settling_time * rate), None)
-    position, angle = position[observed], angle[observed]
+    position, angle = trajectory.q3[observed], trajectory.theta_m[observed]
     # The motor's angle has weaker harmonics than q3: it crosses its mean twice a period.
     turning = angle - 0.5 * (angle.max() + angle.min())
     before = np.flatnonzero((turning[:-1] < 0) & (turning[1:] >= 0))
@@ -203,21 +212,3 @@ def _scaled(cycle: LimitCycle | None, gap: float) -> LimitCycle | None:
         fundamental=gap * cycle.fundamental,
         peak_to_peak=gap * cycle.peak_to_peak,
     )
-
-
-def _simulate(
-    model: PlantModel, gains: PidGains, gap: float, sampling: Sampling, duration: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return q3 [m] and theta_m [rad] at the sampling rate, after a step of the lost motion."""
-    plant = discretize_plant(model, 1.0 / sampling.sampling_rate)
-    pid = discretize_pid(gains, 1.0 / sampling.control_rate)
-    reference = model.lead_screw.pitch * gap
-    state, controller = AT_REST, INITIAL_PID
-    rows = []
-    for _ in range(round(duration * sampling.control_rate)):
-        controller, voltage = pid_step(controller, reference - state.structure.q3, pid)
-        for _ in range(sampling.samples_per_control_step):
-            rows.append((state.structure.q3, state.motor.angle))
-            state = plant_step(state, voltage, gap, plant)
-    position, angle = np.array(rows).T
-    return position, angle

@@ -1,0 +1,51 @@
+"""Signals of one run of the loop, whether recorded or simulated offline."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunSignals:
+    """One run as arrays, all on the clock of the telemetry, less `time_origin`.
+
+    Attributes
+    ----------
+    time_origin : float
+        Zero for simulated time; the whole second at which the telemetry begins when its clock
+        counts from 1970 [s].
+    telemetry : ndarray, shape (n, 3)
+        Rows of (t [s], u [V], q3 [m]), t strictly increasing.
+    truth : ndarray, shape (m, 7), or None
+        Rows of (t, theta_m, theta_d, gap, q1, q2, q3) [s, rad, m].
+    reference : ndarray, shape (k, 2)
+        Rows of (time from which it holds [s], r [m]).
+    estimates : ndarray, shape (k, 2)
+        Rows of (time of the newest sample used [s], gap [rad]).
+    dead_zones : ndarray, shape (k, 2)
+        Rows of (time [s], dead-zone tolerance [m] from then on), the initial one included when
+        it is known.
+    pitch : float
+        Pitch of the lead screw [m/rad].
+    """
+
+    time_origin: float = 0.0
+    telemetry: FloatArray
+    truth: FloatArray | None
+    reference: FloatArray
+    estimates: FloatArray
+    dead_zones: FloatArray
+    pitch: float
+
+    @property
+    def sample_time(self) -> float:
+        """Sample time of the telemetry [s]."""
+        return float(np.median(np.diff(self.telemetry[:, 0])))
+
+    @property
+    def duration(self) -> float:
+        """Time covered by the telemetry [s], the last sample's own sample time included."""
+        return float(self.telemetry[-1, 0] - self.telemetry[0, 0]) + self.sample_time
