@@ -1,4 +1,4 @@
-"""The command ``bdt``: run the loop, analyze a bag, design the controller, measure."""
+"""The command ``bdt``: run the loop, analyze a bag, redo the paper, design, measure."""
 
 import argparse
 import json
@@ -80,6 +80,15 @@ def _design(options: argparse.Namespace) -> int:
     from bdt_bringup.design.command import run_design  # noqa: PLC0415
 
     run_design(options.output, as_json=options.json)
+    return 0
+
+
+def _reproduce(options: argparse.Namespace) -> int:
+    from bdt_bringup.reproduction.command import run_reproduction  # noqa: PLC0415
+
+    failed = run_reproduction(options.output, as_json=options.json)
+    if failed:
+        return _complain(f"{failed} claims do not hold", FAILED)
     return 0
 
 
@@ -165,6 +174,21 @@ def _parser() -> argparse.ArgumentParser:
     bench.add_argument("names", nargs="*", metavar="NAME", help="benchmarks (default: all)")
     bench.add_argument("--json", action="store_true", help="print the results as JSON")
     bench.set_defaults(command=_bench)
+    reproduce = commands.add_parser(
+        "reproduce",
+        help="redo the paper: figures, claims, sweeps",
+        description="Redo the simulations of the paper offline, draw figures 2, 3, 4, 6 and 7, and "
+        "set its claims beside what was measured. Exit code 1 if one does not hold.",
+    )
+    reproduce.add_argument(
+        "--output",
+        type=Path,
+        metavar="DIR",
+        default=Path("reproduction"),
+        help="folder for index.html, figures and claims.json (default: reproduction)",
+    )
+    reproduce.add_argument("--json", action="store_true", help="print claims.json")
+    reproduce.set_defaults(command=_reproduce)
     design = commands.add_parser(
         "design",
         help="design the PID and draw Bode, Nyquist and step response",

@@ -2,14 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from importlib.resources import files
-
-from jinja2 import Environment, StrictUndefined
 
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.step_analysis import StepSummary
 from bdt_bringup.analysis.summary import Summary
 from bdt_bringup.bags.recording import Recording
+from bdt_bringup.pages.rendering import render_page
 
 MISSING = "–"  # noqa: RUF001 - a dash stands for an unknown value
 MOST_ROWS = 200
@@ -113,14 +111,9 @@ def render_report(
     overview, residuals : str
         The figures as SVG elements; None for a figure without content.
     """
-    template = (files("bdt_bringup.analysis") / "templates" / "report.html").read_text(
-        encoding="utf-8"
-    )
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
     shown = summary.steps[:MOST_ROWS]
-    return environment.from_string(template).render(
+    return render_page(
+        "report.html",
         name=recording.path.resolve().name,
         path=str(recording.path),
         verdict=verdict(summary),
