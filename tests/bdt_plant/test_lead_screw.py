@@ -99,6 +99,15 @@ def test_turning_all_signs_turns_the_screw_exactly(path, gap, start):
     assert (follow(path, gap, start) == -turned).all()
 
 
+@given(paths, gaps)
+def test_the_backlash_takes_energy_for_every_way_of_the_screw_and_never_gives_any(path, gap):
+    """With a spring between motor and screw, half a gap of its stretch is lost all the way."""
+    screw = follow(path, gap)
+    ways = np.diff(screw, prepend=0.0)
+    lost = (np.array(path) - screw) * ways
+    assert lost == pytest.approx(gap / 2 * np.abs(ways), abs=1e-9)
+
+
 @given(paths)
 def test_without_a_gap_the_screw_is_the_motor(path):
     assert follow(path, 0.0).tolist() == path
