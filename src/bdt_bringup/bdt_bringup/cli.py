@@ -94,11 +94,15 @@ def _reproduce(options: argparse.Namespace) -> int:
 
 def _bench(options: argparse.Namespace) -> int:
     from bdt_bringup.benchmarks.bench import BENCHMARKS, run_benchmarks  # noqa: PLC0415
+    from bdt_bringup.benchmarks.transport import TransportError  # noqa: PLC0415
 
     for name in options.names:
         if name not in BENCHMARKS:
             raise BadInputError(f"benchmark {name!r}: must be one of {', '.join(BENCHMARKS)}")
-    measured = run_benchmarks(options.names)
+    try:
+        measured = run_benchmarks(options.names)
+    except TransportError as error:
+        raise LoopError(str(error)) from error
     if options.json:
         print(json.dumps(measured, indent=2))
     else:
@@ -168,7 +172,7 @@ def _parser() -> argparse.ArgumentParser:
     analyze_command.set_defaults(command=_analyze)
     bench = commands.add_parser(
         "bench",
-        help="measure the offline core beside a peer and a floor",
+        help="measure cores and transport beside a peer and a floor",
         description="Medians of one run on this machine, with ratios to a reference.",
     )
     bench.add_argument("names", nargs="*", metavar="NAME", help="benchmarks (default: all)")

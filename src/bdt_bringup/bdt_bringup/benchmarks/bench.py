@@ -1,10 +1,10 @@
-"""Benchmarks of the offline core: medians of one run on one machine, beside what to beat."""
+"""Benchmarks of the cores: medians of one run on one machine, beside what to beat."""
 
 import os
 import platform
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -16,6 +16,15 @@ from scipy.signal import lfilter
 
 from bdt_bringup.benchmarks.c_loop import FLAGS, KEPT, NoCompilerError, build_c_loop, c_loop_call
 from bdt_bringup.benchmarks.python_control_loop import interconnected_loop, step_response
+from bdt_bringup.benchmarks.result import BenchmarkResult, BenchmarkSize, compared
+from bdt_bringup.benchmarks.transport import (
+    discovery,
+    lockstep_real_time_factor,
+    one_way_6kb,
+    one_way_joint_state,
+    pingpong_vs_raw,
+    start_up,
+)
 from bdt_bringup.simulation.closed_loop import (
     Scenario,
     loop_step,
@@ -36,56 +45,6 @@ MEAN_GAP = float(np.deg2rad(10.0))
 
 FINE_RATE = 1e6
 """Sampling rate [Hz] of the solutions that errors are measured against."""
-
-
-@dataclass(frozen=True)
-class BenchmarkSize:
-    """How much is computed.
-
-    Attributes
-    ----------
-    duration : float
-        Simulated time of the scenario [s].
-    control_stretch : float
-        Simulated time that python-control is given [s]; its time is scaled to `duration`.
-    repeats : int
-        Number of runs behind each median.
-    batch : int
-        Number of scenarios of a batch for each core.
-    """
-
-    duration: float = 120.0
-    control_stretch: float = 1.0
-    repeats: int = 21
-    batch: int = 16
-
-
-@dataclass(frozen=True)
-class BenchmarkResult:
-    """One number beside its reference.
-
-    Attributes
-    ----------
-    name : str
-        Name of the benchmark.
-    value : float
-        What was measured.
-    unit : str
-        Unit of `value` and `reference_value`.
-    reference : str
-        What it is compared with, or why not.
-    reference_value : float or None
-        What was measured of the reference in the same run; None if there is none.
-    ratio : float or None
-        `value` divided by `reference_value`.
-    """
-
-    name: str
-    value: float
-    unit: str
-    reference: str
-    reference_value: float | None = None
-    ratio: float | None = None
 
 
 def run_benchmarks(names: Iterable[str] = (), size: BenchmarkSize | None = None) -> dict[str, Any]:
@@ -154,7 +113,7 @@ def kernel_vs_c(size: BenchmarkSize) -> list[BenchmarkResult]:
     position, reference = signals[SIMULATED.index("q3")], written[KEPT.index("q3")]
     difference = float(np.abs(position - reference).max())
     what = f"C, {' '.join(FLAGS[:3])}; q3 differs by {difference:.1e} m at most"
-    return [_compared(name, 1e3 * ours, unit, what, 1e3 * theirs)]
+    return [compared(name, 1e3 * ours, unit, what, 1e3 * theirs)]
 
 
 def kernel_vs_python_control(size: BenchmarkSize) -> list[BenchmarkResult]:
@@ -187,8 +146,8 @@ def kernel_vs_python_control(size: BenchmarkSize) -> list[BenchmarkResult]:
         speeds = (size.duration / ours, size.control_stretch / theirs)
         what = f"python-control, {method}, {size.control_stretch:g} s"
         results += [
-            _compared("kernel_vs_python_control", speeds[0], "simulated s/s", what, speeds[1]),
-            _compared("kernel_vs_python_control", our_error, "m error of q3", what, error),
+            compared("kernel_vs_python_control", speeds[0], "simulated s/s", what, speeds[1]),
+            compared("kernel_vs_python_control", our_error, "m error of q3", what, error),
         ]
     return results
 
@@ -200,7 +159,7 @@ def batch_scaling(size: BenchmarkSize) -> list[BenchmarkResult]:
     scenarios = [Scenario(size.duration, gains=each) for each in gains]
     runs = [partial(simulate_batch, scenarios, ("q3",), workers=workers) for workers in (1, cores)]
     one, many = _medians(max(size.repeats // 4, 1), *runs)
-    return [_compared("batch_scaling", one / many, "times", "cores", float(cores))]
+    return [compared("batch_scaling", one / many, "times", "cores", float(cores))]
 
 
 def estimator_vs_lfilter(size: BenchmarkSize) -> list[BenchmarkResult]:
@@ -222,7 +181,7 @@ def estimator_vs_lfilter(size: BenchmarkSize) -> list[BenchmarkResult]:
 
     ours, theirs = _medians(size.repeats, estimate, bare)
     what = "two lfilter passes"
-    return [_compared("estimator_vs_lfilter", 1e3 * ours, "ms", what, 1e3 * theirs)]
+    return [compared("estimator_vs_lfilter", 1e3 * ours, "ms", what, 1e3 * theirs)]
 
 
 def control_step(size: BenchmarkSize) -> list[BenchmarkResult]:
@@ -237,7 +196,7 @@ def control_step(size: BenchmarkSize) -> list[BenchmarkResult]:
 
     (taken,) = _medians(size.repeats, control)
     period = 1e6 / settings.control_rate
-    return [_compared("control_step", 1e6 * taken / steps, "us", "control period", period)]
+    return [compared("control_step", 1e6 * taken / steps, "us", "control period", period)]
 
 
 BENCHMARKS: dict[str, Callable[[BenchmarkSize], list[BenchmarkResult]]] = {
@@ -248,6 +207,12 @@ BENCHMARKS: dict[str, Callable[[BenchmarkSize], list[BenchmarkResult]]] = {
         batch_scaling,
         estimator_vs_lfilter,
         control_step,
+        pingpong_vs_raw,
+        lockstep_real_time_factor,
+        one_way_joint_state,
+        one_way_6kb,
+        discovery,
+        start_up,
     )
 }
 """Benchmarks by name, in the order in which they run."""
@@ -273,13 +238,6 @@ def _medians(repeats: int, *functions: Callable[[], Any]) -> list[float]:
             function()
             taken.append(time.perf_counter() - start)
     return [median(taken) for taken in times]
-
-
-def _compared(
-    name: str, value: float, unit: str, reference: str, reference_value: float
-) -> BenchmarkResult:
-    ratio = value / reference_value
-    return BenchmarkResult(name, value, unit, reference, reference_value, ratio)
 
 
 def _lines(path: Path) -> list[str]:
