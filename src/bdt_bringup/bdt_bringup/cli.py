@@ -13,7 +13,7 @@ from bdt_bringup.bags.bag_reader import BagError
 from bdt_bringup.benchmarks.bench_table import bench_table
 from bdt_bringup.running.configuration import BadInputError, load_configuration
 from bdt_bringup.running.run_plan import plan_run
-from bdt_msgs_py.node_main import BAD_INPUT, FAILED, LoopError
+from bdt_msgs_py.exit_codes import BAD_INPUT, FAILED, LoopError
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""

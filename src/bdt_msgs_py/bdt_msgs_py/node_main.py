@@ -8,14 +8,8 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
+from bdt_msgs_py.exit_codes import BAD_INPUT, FAILED, LoopError
 from bdt_msgs_py.node_parameters import ConfigurationError
-
-FAILED = 1
-BAD_INPUT = 2
-
-
-class LoopError(RuntimeError):
-    """The control loop cannot go on, for example because another node is gone."""
 
 
 def run_node(create: Callable[[], Node], args: list[str] | None) -> int:

@@ -14,7 +14,8 @@ from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import Float64MultiArray
 
 from bdt_msgs_py.diagnostics import DiagnosticsPublisher, Health
-from bdt_msgs_py.node_main import LoopError, run_node
+from bdt_msgs_py.exit_codes import LoopError
+from bdt_msgs_py.node_main import run_node
 from bdt_msgs_py.node_parameters import declare_all
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_seconds, nanoseconds_from_stamp, read_voltage

@@ -16,7 +16,7 @@ from bdt_bringup.running.node_process import NodeProcess, stop_all
 from bdt_bringup.running.progress_display import ProgressDisplay
 from bdt_bringup.running.run_plan import MODULES, RunPlan
 from bdt_bringup.running.stop_signals import StopSignals
-from bdt_msgs_py.node_main import BAD_INPUT, LoopError
+from bdt_msgs_py.exit_codes import BAD_INPUT, LoopError
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.topics import PLANT_NODE
 
