@@ -70,11 +70,51 @@ def test_the_default_has_the_mean_of_ten_degrees_that_the_paper_gives():
     assert np.rad2deg(gaps_at(GapProfile(), instants).mean()) == pytest.approx(10.0, abs=1e-6)
 
 
+angles = st.floats(0, 100)
+profiles = st.builds(
+    lambda kind, initial, final, growth_time, exponent, rows: GapProfile(
+        kind,
+        initial,
+        final,
+        growth_time,
+        exponent,
+        tuple(sorted(rows)),
+        tuple(rows.values()),
+    ),
+    st.sampled_from(KINDS),
+    angles,
+    angles,
+    st.floats(1e-3, 1e9),
+    st.sampled_from([0.5, 1.0, 2.0, 3.0]) | st.floats(0.1, 10),
+    st.dictionaries(times, angles, min_size=1, max_size=8),
+)
+
+
+def assert_same_floats(profile, instants):
+    expected = np.array([gap_at(profile, time) for time in instants.tolist()], dtype=np.float64)
+    gaps = gaps_at(profile, instants)
+    assert gaps.dtype == np.float64
+    assert gaps.tobytes() == expected.tobytes()
+
+
+@given(profiles, st.lists(st.floats(-10, 1e4), max_size=40))
+def test_an_array_of_times_gives_the_very_same_floats(profile, instants):
+    assert_same_floats(profile, np.array(instants))
+
+
 @pytest.mark.parametrize("kind", KINDS)
-def test_an_array_of_times_gives_the_very_same_floats(kind):
-    profile = GapProfile(kind=kind, initial=0.1)
-    instants = np.random.default_rng(3).uniform(-10, 200, 200)
-    assert gaps_at(profile, instants).tolist() == [gap_at(profile, t) for t in instants.tolist()]
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 1.7, 2.0])
+@pytest.mark.parametrize("count", [0, 1, 7, 64, 5001])
+def test_arrays_of_any_length_give_the_very_same_floats(kind, exponent, count):
+    """Whatever works on several numbers at a time treats the ends of an array otherwise."""
+    profile = GapProfile(kind, initial=0.1, exponent=exponent)
+    assert_same_floats(profile, np.random.default_rng(3).uniform(-10, 200, count))
+
+
+def test_angles_that_are_whole_numbers_make_floats():
+    for kind in KINDS:
+        profile = GapProfile(kind, 0, 1, 120, 2, (0, 120), (0, 1))
+        assert_same_floats(profile, np.arange(-1.0, 130.0))
 
 
 @pytest.mark.parametrize(

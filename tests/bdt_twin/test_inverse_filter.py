@@ -15,13 +15,7 @@ from hypothesis import strategies as st
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
 from bdt_twin.angle_observer import AngleObserver
-from bdt_twin.inverse_filter import (
-    ContactSums,
-    InverseFilterEstimator,
-    InverseFilterSettings,
-    contact_sums,
-    gap_from_sums,
-)
+from bdt_twin.inverse_filter import STRETCH, InverseFilterEstimator, InverseFilterSettings
 
 RATE = 5000
 ROUNDING = 0.1
@@ -182,6 +176,16 @@ def test_batches_of_equal_size_give_the_same_estimates_exactly(recording, whole,
     assert estimate(*recording, QUICK, cuts) == whole
 
 
+def test_data_longer_than_a_stretch_gives_the_same_estimates_exactly(constant_gap):
+    truth = constant_gap(10.0)
+    assert truth.voltage.size > 2 * STRETCH
+    cuts = [100, STRETCH - 1, STRETCH, STRETCH + 1, 2 * STRETCH + 7]
+    expected = estimate(truth.voltage, truth.position, QUICK)
+    assert estimate(truth.voltage, truth.position, QUICK, cuts) == expected
+    by_the_batch = range(500, truth.voltage.size, 500)
+    assert estimate(truth.voltage, truth.position, QUICK, by_the_batch) == expected
+
+
 def test_empty_batches_change_nothing(recording, whole):
     half = recording[0].size // 2
     cuts = [0, 0, half, half, half, recording[0].size]
@@ -240,73 +244,6 @@ def test_a_restart_while_the_structure_swings_finds_the_gap_again(constant_gap):
     assert len(errors) > 20
     assert errors.min() > 0.0
     assert errors.max() < ROUNDING
-
-
-# The operators of eqs 13 and 14.
-
-
-def sums_of(differences, directions, rounding):
-    """Return the sums of samples in contact with given angle differences [deg]."""
-    theta_m = np.concatenate([[0.0], np.cumsum(directions)])
-    theta_d = theta_m - np.deg2rad(np.concatenate([[0.0], differences]))
-    return contact_sums(theta_m, theta_d, 1.0, 0.01, rounding, len(differences))[0]
-
-
-def test_forward_differences_are_rounded_up_to_multiples_of_half_l():
-    differences, ahead = [5.0125, 5.0375, 4.9875], [1.0, 1.0, 1.0]
-    assert sums_of(differences, ahead, 0.1) == ContactSums(3, 0, 101 + 101 + 100, 0)
-
-
-def test_backward_differences_are_rounded_down_to_multiples_of_half_l():
-    differences, back = [-5.0125, -5.0375, -4.9875], [-1.0, -1.0, -1.0]
-    assert sums_of(differences, back, 0.1) == ContactSums(0, 3, 0, -101 - 101 - 100)
-
-
-def test_rounding_is_away_from_the_screw_so_the_gap_is_never_underestimated():
-    sums = sums_of([5.01, -5.01], [1.0, -1.0], 0.1)
-    assert math.degrees(gap_from_sums([sums], 0.1)) == pytest.approx(10.1, abs=1e-12)
-
-
-def test_the_means_of_the_two_directions_weigh_the_same():
-    ahead, back = ContactSums(1, 0, 200, 0), ContactSums(0, 9, 0, -900)
-    assert math.degrees(gap_from_sums([ahead, back], 0.1)) == pytest.approx(15.0, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    "sums", [ContactSums(0, 0, 0, 0), ContactSums(5, 0, 9, 0), ContactSums(0, 5, 0, -9)]
-)
-def test_one_direction_alone_has_no_gap(sums):
-    assert gap_from_sums([sums, sums], 0.1) is None
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize(("speed", "count"), [(0.0999, 0), (0.1001, 4)])
-def test_a_screw_slower_than_the_threshold_is_not_in_contact(sign, speed, count):
-    theta_m = sign * np.arange(5.0)
-    [sums] = contact_sums(theta_m, speed * 0.01 * theta_m, 0.01, 0.1, 0.1, 4)
-    assert (sums.forward, sums.backward) == ((count, 0) if sign > 0 else (0, count))
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-def test_a_screw_that_turns_against_the_motor_is_not_in_contact(sign):
-    """The inverse filter smears a reversal over a few samples, in which this seems to happen."""
-    theta_m = sign * np.arange(5.0)
-    assert contact_sums(theta_m, -theta_m, 0.01, 0.1, 0.1, 4) == [ContactSums(0, 0, 0, 0)]
-
-
-def test_a_motor_at_rest_belongs_to_no_direction():
-    sums = contact_sums(np.zeros(5), np.arange(5.0), 0.01, 0.1, 0.1, 4)
-    assert sums == [ContactSums(0, 0, 0, 0)]
-
-
-@given(st.integers(1, 6), st.integers(1, 8))
-def test_the_sums_of_blocks_add_up_to_the_sums_of_all(count, block):
-    random = np.random.default_rng(8)
-    theta_m, theta_d = random.normal(size=(2, 1 + count * block)).cumsum(axis=1)
-    blocks = contact_sums(theta_m, theta_d, 0.01, 0.1, 0.1, block)
-    [everything] = contact_sums(theta_m, theta_d, 0.01, 0.1, 0.1, count * block)
-    assert len(blocks) == count
-    assert ContactSums(*(sum(column) for column in zip(*blocks, strict=True))) == everything
 
 
 @pytest.mark.parametrize(

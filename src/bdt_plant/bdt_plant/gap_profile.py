@@ -1,6 +1,7 @@
 """Growth of the backlash gap with wear: theta_b as a function of time."""
 
 from dataclasses import dataclass
+from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,5 +57,14 @@ def gap_at(profile: GapProfile, time: float) -> float:
 
 
 def gaps_at(profile: GapProfile, times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return :func:`gap_at` for an array of times [s], element by element the same floats."""
-    return np.array([gap_at(profile, time) for time in times.tolist()])
+    """Return :func:`gap_at` for times [s] of shape (n,), element by element the same floats."""
+    if profile.kind == "constant":
+        return np.full(times.size, profile.initial, dtype=np.float64)
+    if profile.kind == "table":
+        return np.interp(times, profile.table_times, profile.table_gaps)
+    fractions = np.clip(times / profile.growth_time, 0.0, 1.0)
+    if profile.kind == "power_law":
+        # numpy's power rounds otherwise than Python's, and on each processor in its own way.
+        powers = map(pow, fractions.tolist(), repeat(profile.exponent))
+        fractions = np.fromiter(powers, np.float64, times.size)
+    return profile.initial + (profile.final - profile.initial) * fractions

@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
-from scipy.signal import lfilter
 
 from bdt_plant.motor import discretize_motor
 from bdt_plant.plant import PlantModel
 from bdt_plant.structure import structure_state_space
+from bdt_twin.recursion import AT_REST, coefficients, compiled_recursion
 
 Filter = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -97,16 +97,19 @@ class AngleObserver:
         if delay < 1:
             raise ValueError(f"delay = {delay} samples: must be 1 or more for a causal inverse")
         self.delay = delay
-        self._pitch = model.lead_screw.pitch
-        self._motor_b, self._motor_a = motor_filter(model, sample_time)
-        numerator, self._inverse_b = structure_filter(model, sample_time)
-        self._inverse_a = numerator[1:]
-        zeros = np.roots(self._inverse_a)
+        self._pitch = float(model.lead_screw.pitch)
+        motor = motor_filter(model, sample_time)
+        numerator, denominator = structure_filter(model, sample_time)
+        # Dividing by the numerator without its leading zero advances by one sample.
+        inverse = denominator, numerator[1:]
+        zeros = np.roots(inverse[1])
         if np.abs(zeros).max() >= 1.0:
             raise ValueError(
                 f"structure.damping = {model.structure.damping!r} N s/m: must be larger, or the "
                 f"inverse of eq. 11 is unstable (zero at {np.abs(zeros).max():.3g})"
             )
+        self._motor, self._inverse = coefficients(*motor), coefficients(*inverse)
+        self._filter = compiled_recursion()
         self.restart()
 
     @property
@@ -115,17 +118,15 @@ class AngleObserver:
 
         The motor's integrator never forgets, but its offset is the same for both directions.
         """
-        poles = np.concatenate([np.roots(self._inverse_a), np.roots(self._motor_a)])
+        poles = np.concatenate([np.roots(below) for _, below in (self._motor, self._inverse)])
         sizes = np.abs(poles)
         slowest = sizes[sizes < 1.0 - 1e-9].max()
         return math.ceil(math.log(1e-9) / math.log(slowest)) + self.delay
 
     def restart(self) -> None:
         """Forget all samples; the mechanism is taken to be at rest before the next one."""
-        self._motor_memory = np.zeros(len(self._motor_a) - 1)
-        self._inverse_memory = np.zeros(len(self._inverse_b) - 1)
+        self._memory = AT_REST
         self._voltages = np.zeros(self.delay)
-        self._positions = np.zeros(self.delay - 1)
         self._rest_position: float | None = None
 
     def update(self, voltage: NDArray[np.float64], position: NDArray[np.float64]) -> Angles:
@@ -143,20 +144,24 @@ class AngleObserver:
             starts at the angle zero.
         """
         if not position.size:
-            # scipy's lfilter would return a memory of uninitialized numbers.
             return Angles(np.empty(0), np.empty(0))
         if self._rest_position is None:
             self._rest_position = float(position[0])
-        rest = self._rest_position
+            # The inverse advances by one sample: one less than the delay.
+            self._positions = np.full(self.delay - 1, self._rest_position)
         voltages = np.concatenate([self._voltages, voltage])
-        # Dividing by the numerator without its leading zero advances by one sample: one less here.
-        positions = np.concatenate([self._positions, position - rest])
+        positions = np.concatenate([self._positions, position])
         self._voltages = voltages[voltage.size :]
         self._positions = positions[position.size :]
-        theta_m, self._motor_memory = lfilter(
-            self._motor_b, self._motor_a, voltages[: voltage.size], zi=self._motor_memory
+        angles = Angles(np.empty(voltage.size), np.empty(position.size))
+        self._memory = self._filter(
+            voltages[: voltage.size],
+            positions[: position.size],
+            self._rest_position,
+            self._pitch,
+            self._motor,
+            self._inverse,
+            self._memory,
+            *angles,
         )
-        d, self._inverse_memory = lfilter(
-            self._inverse_b, self._inverse_a, positions[: position.size], zi=self._inverse_memory
-        )
-        return Angles(theta_m, (d + rest) / self._pitch)
+        return angles

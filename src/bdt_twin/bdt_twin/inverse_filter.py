@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 from bdt_msgs_py.quantities import quantity, validate
 from bdt_plant.plant import PlantModel
 from bdt_twin.angle_observer import AngleObserver
+from bdt_twin.contact import NO_CONTACT, ContactSums, compiled_sums, contact_sums, gap_from_sums
+
+STRETCH = 16_384
+"""Samples worked on at a time: all arrays on the way then stay in the processor's cache."""
 
 
 @dataclass(frozen=True)
@@ -78,78 +82,6 @@ class GapEstimate(NamedTuple):
     backward: int
 
 
-class ContactSums(NamedTuple):
-    """Sums over samples in contact, in multiples of l/2: integers, so no order rounds differently.
-
-    Attributes
-    ----------
-    forward, backward : int
-        Numbers of samples with the screw moving forward (t_+) and backward (t_-).
-    ceiled, floored : int
-        Sums of the rounded angle differences over t_+ and t_-.
-    """
-
-    forward: int
-    backward: int
-    ceiled: int
-    floored: int
-
-
-def contact_sums(
-    theta_m: NDArray[np.float64],
-    theta_d: NDArray[np.float64],
-    sample_time: float,
-    velocity_threshold: float,
-    rounding: float,
-    block: int,
-) -> list[ContactSums]:
-    """Return the sums of eq. 13, one for each `block` of samples.
-
-    Parameters
-    ----------
-    theta_m, theta_d : ndarray, shape (1 + n * block,)
-        Aligned angles [rad]; the first sample only serves the first difference.
-    sample_time : float
-        Sample time [s].
-    velocity_threshold : float
-        Speed of the lead screw above which it counts as moving [rad/s].
-    rounding : float
-        Scale l [deg]; angles are rounded to multiples of l/2 (eq. 14).
-    block : int
-        Number of samples in a block.
-    """
-    threshold = velocity_threshold * sample_time
-    screw, motor = np.diff(theta_d), np.diff(theta_m)
-    # By eq. 6 a screw that moves turns with the motor. Around a reversal the inverse filter leaves
-    # a few samples with opposite signs; one of them alone in a window would make the gap zero.
-    forward, backward = (screw > threshold) & (motor > 0), (screw < -threshold) & (motor < 0)
-    difference = np.rad2deg(theta_m[1:] - theta_d[1:]) / (0.5 * rounding)
-    columns = (
-        forward,
-        backward,
-        np.where(forward, np.ceil(difference), 0.0),
-        np.where(backward, np.floor(difference), 0.0),
-    )
-    sums = np.stack([column.reshape(-1, block).sum(axis=1) for column in columns], axis=1)
-    return [ContactSums(*(int(x) for x in row)) for row in sums]
-
-
-def gap_from_sums(sums: list[ContactSums], rounding: float) -> float | None:
-    """Return the gap theta_b [rad] of eq. 13, or None unless both directions occur.
-
-    Parameters
-    ----------
-    sums : list of ContactSums
-        Blocks of the window.
-    rounding : float
-        Scale l [deg] with which the sums were made.
-    """
-    forward, backward, ceiled, floored = (sum(column) for column in zip(*sums, strict=True))
-    if not forward or not backward:
-        return None
-    return float(np.deg2rad(0.5 * rounding * (ceiled / forward - floored / backward)))
-
-
 class InverseFilterEstimator:
     """Streaming estimator: the same estimates for any split of the same data into batches.
 
@@ -169,12 +101,15 @@ class InverseFilterEstimator:
         self._window: deque[ContactSums] = deque(
             maxlen=round(settings.window / settings.update_period)
         )
+        # Whatever is not in numba's cache is compiled now, not when the first batch waits.
+        compiled_sums()
         self.restart()
 
     def restart(self) -> None:
         """Forget all samples; the next one has the index zero."""
         self._observer.restart()
         self._window.clear()
+        self._in_window = NO_CONTACT
         self._theta_m = np.empty(0)
         self._theta_d = np.empty(0)
         self._next_sample = 0
@@ -196,6 +131,12 @@ class InverseFilterEstimator:
             One for each update period that ended within the batch, in which the screw moved and
             whose window holds both directions; often empty.
         """
+        stretches = [slice(n, n + STRETCH) for n in range(0, voltage.size, STRETCH)]
+        return [found for s in stretches for found in self._take(voltage[s], position[s])]
+
+    def _take(
+        self, voltage: NDArray[np.float64], position: NDArray[np.float64]
+    ) -> list[GapEstimate]:
         angles = self._observer.update(voltage, position)
         skipped = min(self._to_skip, voltage.size)
         self._to_skip -= skipped
@@ -203,9 +144,10 @@ class InverseFilterEstimator:
         self._theta_m = np.concatenate([self._theta_m, angles.theta_m[skipped:]])
         self._theta_d = np.concatenate([self._theta_d, angles.theta_d[skipped:]])
         # Differences need one sample before each block.
-        blocks = max(self._theta_m.size - 1, 0) // self._block
-        used = blocks * self._block
-        sums = contact_sums(
+        used = max(self._theta_m.size - 1, 0) // self._block * self._block
+        if not used:
+            return []
+        blocks = contact_sums(
             self._theta_m[: used + 1],
             self._theta_d[: used + 1],
             self._sample_time,
@@ -214,14 +156,26 @@ class InverseFilterEstimator:
             self._block,
         )
         estimates = []
-        for number, block in enumerate(sums):
-            self._window.append(block)
-            gap = gap_from_sums(list(self._window), self._settings.rounding)
+        for number, block in enumerate(blocks):
+            sums = self._slide(block)
+            gap = gap_from_sums(sums, self._settings.rounding)
             if gap is not None and (block.forward or block.backward):
                 newest = self._next_sample + (number + 1) * self._block
-                forward = sum(item.forward for item in self._window)
-                backward = sum(item.backward for item in self._window)
-                estimates.append(GapEstimate(newest, gap, forward, backward))
+                estimates.append(GapEstimate(newest, gap, sums.forward, sums.backward))
         self._theta_m, self._theta_d = self._theta_m[used:], self._theta_d[used:]
         self._next_sample += used
         return estimates
+
+    def _slide(self, newest: ContactSums) -> ContactSums:
+        """Move the window on by one block and return the sums over it."""
+        full = len(self._window) == self._window.maxlen
+        oldest = self._window[0] if full else NO_CONTACT
+        self._window.append(newest)
+        total = self._in_window
+        self._in_window = ContactSums(
+            total.forward + newest.forward - oldest.forward,
+            total.backward + newest.backward - oldest.backward,
+            total.ceiled + newest.ceiled - oldest.ceiled,
+            total.floored + newest.floored - oldest.floored,
+        )
+        return self._in_window

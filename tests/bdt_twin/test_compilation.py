@@ -1,0 +1,38 @@
+"""Loops compile at once, and also where no cache can be written."""
+
+import numba
+import numpy as np
+
+from bdt_twin import compilation
+from bdt_twin.compilation import GIVEN, WRITTEN, compile_loop
+
+
+def double(given, written):
+    for n in range(given.size):
+        written[n] = 2.0 * given[n]
+
+
+def test_a_loop_is_compiled_before_its_first_call(tmp_path, monkeypatch):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    loop = compile_loop(double, numba.void(GIVEN, WRITTEN))
+    assert len(loop.signatures) == 1
+    assert list(tmp_path.rglob("*.nbi"))
+    given, written = np.arange(3.0), np.empty(3)
+    given.flags.writeable = False
+    loop(given, written)
+    assert written.tolist() == [0.0, 2.0, 4.0]
+
+
+def test_without_a_folder_for_the_cache_a_loop_is_compiled_all_the_same(monkeypatch):
+    njit = compilation.njit
+
+    def refuse(signatures, **options):
+        if options.get("cache"):
+            # What numba says of a function in a folder that is not to be written.
+            raise RuntimeError("cannot cache function 'double': no locator available")
+        return njit(signatures, **options)
+
+    monkeypatch.setattr(compilation, "njit", refuse)
+    written = np.empty(1)
+    compile_loop(double, numba.void(GIVEN, WRITTEN))(np.ones(1), written)
+    assert written.tolist() == [2.0]
