@@ -149,7 +149,7 @@ def compare_over_stiffness(
     factors : ndarray, shape (n,)
         Factors on the stiffness; a loop that is unstable without backlash is left out.
     """
-    comparisons = []
+    comparisons: list[LimitCycleComparison] = []
     for factor in factors.tolist():
         beams = model.structure
         changed = replace(
@@ -159,15 +159,7 @@ def compare_over_stiffness(
         )
         stiffer = replace(model, structure=changed)
         if is_stable(loop_transfer(stiffer, gains)):
-            comparisons.append(
-                LimitCycleComparison(
-                    gap,
-                    changed.stiffness,
-                    describing_function_cycle(stiffer, gains, gap),
-                    harmonic_balance_cycle(stiffer, gains, gap),
-                    simulated_cycle(stiffer, gains, gap),
-                )
-            )
+            comparisons.extend(compare_over_gap(stiffer, gains, np.array([gap])))
     return tuple(comparisons)
 
 

@@ -26,6 +26,7 @@ shape to another; the describing function shows nothing of it.
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from control import StateSpace, describing_function_response, friction_backlash_nonlinearity
@@ -77,6 +78,7 @@ class LimitCycle:
     third_harmonic: float
 
 
+@lru_cache(maxsize=64)  # where harmonic balance begins, too
 def describing_function_cycle(model: PlantModel, gains: PidGains, gap: float) -> LimitCycle | None:
     """Return the limit cycle that the describing function of the backlash predicts.
 

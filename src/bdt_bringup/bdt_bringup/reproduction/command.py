@@ -35,7 +35,7 @@ CLAIMS_FILE = "claims.json"
 GAPS = np.deg2rad([2.5, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0])
 """Constant gaps at which limit cycles are predicted and simulated [rad]."""
 
-STIFFNESS_FACTORS = np.geomspace(0.8, 60.0, 18)
+STIFFNESS_FACTORS = np.geomspace(0.8, 60.0, 14)
 """Factors on the stiffness at which they are compared again."""
 
 

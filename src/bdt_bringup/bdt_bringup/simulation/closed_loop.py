@@ -233,7 +233,9 @@ def _sampled(
     if isinstance(signal, Reference | GapProfile):
         return _sampled_law(signal, count, hold, rate)
     if callable(signal):
-        return np.array([signal(time) for time in _times(count, hold, rate)], dtype=np.float64)
+        return np.array(
+            [signal(time) for time in _times(count, hold, rate).tolist()], dtype=np.float64
+        )
     values = np.array(signal, dtype=np.float64)
     if values.ndim == 0:
         return np.full(count, float(values))
@@ -247,9 +249,9 @@ def _sampled(
 def _sampled_law(law: Reference | GapProfile, count: int, hold: int, rate: float) -> FloatArray:
     times = _times(count, hold, rate)
     if isinstance(law, Reference):
-        values = np.array([reference_at(law, time) for time in times])
+        values = np.array([reference_at(law, time) for time in times.tolist()])
     else:
-        values = gaps_at(law, np.array(times))
+        values = gaps_at(law, times)
     values.flags.writeable = False
     return values
 
@@ -262,7 +264,7 @@ def _time_axis(samples: int, rate: float) -> FloatArray:
     return times
 
 
-def _times(count: int, hold: int, rate: float) -> list[float]:
+def _times(count: int, hold: int, rate: float) -> FloatArray:
     # As PlantSimulator: the sample number divided by the rate.
-    times: list[float] = (np.arange(0, count * hold, hold) / rate).tolist()
+    times: FloatArray = np.arange(0, count * hold, hold) / rate
     return times

@@ -9,7 +9,7 @@ import hashlib
 import inspect
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -68,6 +68,8 @@ class LoopInputs(NamedTuple):
     gaps: FloatArray
 
 
+# The matrix exponentials take as long as ten seconds of the loop, and sweeps share them.
+@lru_cache(maxsize=64)
 def discretize_loop(model: PlantModel, gains: PidGains, sampling: Sampling) -> LoopStep:
     """Return the discrete models of plant and controller."""
     plant = discretize_plant(model, 1.0 / sampling.sampling_rate)
