@@ -1,7 +1,10 @@
-"""The ``ros2`` command; its output has the shape of Jazzy's."""
+"""The ``ros2`` command as a process: its output and exit codes have the shape of Jazzy's.
 
-import os
-import signal
+Nodes, parameters, services, interfaces, packages and the doctor; topics and bags have files of
+their own.
+"""
+
+import re
 import subprocess
 import sys
 import threading
@@ -11,9 +14,38 @@ import yaml
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from ros2cli.cli import main
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
+
+TIMEOUT_S = 30
+COMMAND = [sys.executable, "-c", "from ros2cli.cli import main; raise SystemExit(main())"]
+
+
+def ros2_all(*commands):
+    """Run commands at the same time; the output, errors and exit code of each."""
+    processes = [
+        subprocess.Popen(
+            [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        for words in commands
+    ]
+    try:
+        return [
+            (*process.communicate(timeout=TIMEOUT_S), process.returncode) for process in processes
+        ]
+    finally:
+        for process in processes:
+            process.kill()
+
+
+def ros2(*words):
+    (result,) = ros2_all(words)
+    return result
+
+
+def failure(text, code=1):
+    """Make the result of a command that fails with one line."""
+    return ("", f"{text}\n", code)
 
 
 @pytest.fixture
@@ -25,10 +57,10 @@ def robot(ros):
         "gain", 1.5, ParameterDescriptor(description="how much", floating_point_range=[limits])
     )
     node.declare_parameter("group.names", ["a", "b"])
-    publisher = node.create_publisher(Float64MultiArray, "data", 10)
-    node.create_timer(0.02, lambda: publisher.publish(Float64MultiArray(data=[1.0, 2.5])))
-    node.heard = []
-    node.create_subscription(String, "words", lambda msg: node.heard.append(msg.data), 10)
+    node.declare_parameter("size", 3, ParameterDescriptor(read_only=True))
+    node.create_publisher(Float64MultiArray, "data", 10)
+    node.create_publisher(String, "_secret", 10)
+    node.create_subscription(String, "words", lambda _: None, 10)
 
     def flip(request, response):
         response.success = not request.data
@@ -49,114 +81,240 @@ def robot(ros):
     spinner.join(5)
 
 
-@pytest.fixture
-def ros2(capsys):
-    """Run a command; its output, and its errors and exit code."""
-
-    def run(*words):
-        code = main(words)
-        captured = capsys.readouterr()
-        return captured.out, captured.err, code
-
-    return run
-
-
-def test_nodes(robot, ros2):
-    assert ros2("node", "list") == ("/robot\n", "", 0)
-    out = ros2("node", "info", "/robot")[0]
-    assert "  Publishers:\n    /data: std_msgs/msg/Float64MultiArray\n" in out
-    assert "    /flip: std_srvs/srv/SetBool\n" in out
-    assert ros2("node", "info", "/nobody")[1:] == ("Unable to find node '/nobody'\n", 1)
-
-
-def test_topics(robot, ros2):
-    assert "/data [std_msgs/msg/Float64MultiArray]\n" in ros2("topic", "list", "-t")[0]
-    out = ros2("topic", "info", "-v", "/data")[0]
-    assert out.startswith("Type: std_msgs/msg/Float64MultiArray\n\nPublisher count: 1\n")
-    assert "Node name: robot\n" in out
-    assert ros2("topic", "info", "/nothing")[2] == 1
-
-
-def test_echo(robot, ros2):
-    assert ros2("topic", "echo", "--once", "/data")[0] == (
-        "layout:\n  dim: []\n  data_offset: 0\ndata:\n- 1.0\n- 2.5\n---\n"
+def test_nodes(robot):
+    names, count, info, hidden, nobody = ros2_all(
+        ("node", "list", "--no-daemon"),
+        ("node", "list", "-c"),
+        ("node", "info", "/robot"),
+        ("node", "info", "--include-hidden", "/robot"),
+        ("node", "info", "/nobody"),
     )
-
-
-def test_pub(robot, ros2):
-    out, _, code = ros2("topic", "pub", "--once", "/words", "std_msgs/msg/String", "{data: hello}")
-    assert code == 0
-    assert "publishing #1: std_msgs.msg.String(data='hello')" in out
-    for _ in range(100):
-        if robot.heard:
-            break
-        threading.Event().wait(0.01)
-    assert robot.heard == ["hello"]
-    assert "no field" in ros2("topic", "pub", "-1", "/w", "std_msgs/msg/String", "{x: 1}")[1]
-    assert "invalid" in ros2("topic", "pub", "-1", "/w", "std_msgs/msg/Nothing")[1]
-
-
-def test_parameters(robot, ros2):
-    assert ros2("param", "list", "/robot")[0] == (
-        "  gain\n  group.names\n  start_type_description_service\n  use_sim_time\n"
+    assert names == ("/robot\n", "", 0)
+    assert count == ("1\n", "", 0)
+    assert info[0].startswith(
+        "/robot\n"
+        "  Subscribers:\n"
+        "    /words: std_msgs/msg/String\n"
+        "  Publishers:\n"
+        "    /data: std_msgs/msg/Float64MultiArray\n"
+        "    /parameter_events: rcl_interfaces/msg/ParameterEvent\n"
+        "    /rosout: rcl_interfaces/msg/Log\n"
+        "  Service Servers:\n"
+        "    /flip: std_srvs/srv/SetBool\n"
+        "    /robot/describe_parameters: rcl_interfaces/srv/DescribeParameters\n"
     )
-    assert ros2("param", "get", "/robot", "gain")[0] == "Double value is: 1.5\n"
-    assert ros2("param", "get", "/robot", "group.names")[0] == "String values are: ['a', 'b']\n"
-    assert ros2("param", "set", "/robot", "gain", "2.5")[0] == "Set parameter successful\n"
-    assert ros2("param", "set", "/robot", "gain", "99.0") == (
-        "",
-        "Setting parameter failed: Parameter gain out of range Min: 0.0, Max: 10.0, value: 99.0\n",
-        1,
+    assert info[0].endswith("  Service Clients:\n\n  Action Servers:\n\n  Action Clients:\n\n")
+    assert "    /_secret: std_msgs/msg/String\n" in hidden[0]
+    assert nobody == failure("Unable to find node '/nobody'")
+
+
+def test_parameters_are_shown(robot):
+    listed, typed, filtered, everything, gain, names, bare, described, missing, nobody = ros2_all(
+        ("param", "list", "/robot"),
+        ("param", "list", "--param-type", "/robot"),
+        ("param", "list", "--filter", "g.*", "/robot"),
+        ("param", "list"),
+        ("param", "get", "/robot", "gain"),
+        ("param", "get", "robot", "group.names"),
+        ("param", "get", "--hide-type", "/robot", "gain"),
+        ("param", "describe", "/robot", "gain", "size"),
+        ("param", "get", "/robot", "nothing"),
+        ("param", "get", "/nobody", "gain"),
     )
-    assert ros2("param", "describe", "/robot", "gain")[0] == (
+    lines = "  gain\n  group.names\n  size\n  start_type_description_service\n  use_sim_time\n"
+    assert listed == (lines, "", 0)
+    assert everything == (f"/robot:\n{lines}", "", 0)
+    assert "  group.names (type: string array)\n" in typed[0]
+    assert filtered == ("  gain\n  group.names\n", "", 0)
+    assert gain == ("Double value is: 1.5\n", "", 0)
+    assert names == ("String values are: ['a', 'b']\n", "", 0)
+    assert bare == ("1.5\n", "", 0)
+    assert described[0] == (
         "Parameter name: gain\n  Type: double\n  Description: how much\n  Constraints:\n"
         "    Min value: 0.0\n    Max value: 10.0\n"
+        "Parameter name: size\n  Type: integer\n  Constraints:\n    Read only: true\n"
     )
+    assert missing == failure("Parameter not set")
+    assert nobody == failure("Node not found")
 
 
-def test_parameters_are_dumped_and_loaded(robot, ros2, tmp_path):
-    out = ros2("param", "dump", "/robot")[0]
-    content = yaml.safe_load(out)["/robot"]["ros__parameters"]
+def test_parameters_are_set(robot):
+    # Jazzy reports a refused value, and succeeds.
+    assert ros2("param", "set", "/robot", "gain", "99.0") == failure(
+        "Setting parameter failed: Parameter gain out of range Min: 0.0, Max: 10.0, value: 99.0", 0
+    )
+    done, read_only, undeclared = ros2_all(
+        ("param", "set", "/robot", "gain", "2.5"),
+        ("param", "set", "/robot", "size", "4"),
+        ("param", "delete", "/robot", "gain"),
+    )
+    assert done == ("Set parameter successful\n", "", 0)
+    assert "Trying to set a read-only parameter: size." in read_only[1]
+    assert undeclared[1].startswith("Deleting parameter failed: Static parameter cannot be")
+    assert robot.get_parameter("gain").value == 2.5
+
+
+def test_parameters_are_dumped_and_loaded(robot, tmp_path):
+    path, other = tmp_path / "p.yaml", tmp_path / "q.yaml"
+    path.write_text("/robot: {ros__parameters: {gain: 7.5, size: 9}}")
+    other.write_text("/robot: [")
+    dumped, missing, malformed = ros2_all(
+        ("param", "dump", "/robot"),
+        ("param", "load", "/robot", "/nowhere.yaml"),
+        ("param", "load", "/robot", str(other)),
+    )
+    content = yaml.safe_load(dumped[0])["/robot"]["ros__parameters"]
     assert content["group"] == {"names": ["a", "b"]}
-    path = tmp_path / "p.yaml"
-    path.write_text("/robot: {ros__parameters: {gain: 7.5}}")
-    assert ros2("param", "load", "/robot", str(path))[2] == 0
+    assert missing == failure("[Errno 2] No such file or directory: '/nowhere.yaml'")
+    assert malformed[1].startswith(f"{other} is not valid YAML: while parsing")
+    assert malformed[1].count("\n") == malformed[2] == 1
+    assert ros2("param", "load", "/robot", str(path)) == (
+        "Set parameter gain successful\n",
+        "Set parameter size failed: Trying to set a read-only parameter: size.\n",
+        0,
+    )
     assert robot.get_parameter("gain").value == 7.5
 
 
-def test_services(robot, ros2):
-    assert "/flip [std_srvs/srv/SetBool]\n" in ros2("service", "list", "-t")[0]
-    out = ros2("service", "call", "/flip", "std_srvs/srv/SetBool", "{data: true}")[0]
-    assert out.endswith("response:\nstd_srvs.srv.SetBool_Response(success=False, message='')\n\n")
+def test_services(robot):
+    listed, count, typed, unknown, found, info, no_info = ros2_all(
+        ("service", "list", "-t"),
+        ("service", "list", "-c"),
+        ("service", "type", "/flip"),
+        ("service", "type", "/nothing"),
+        ("service", "find", "std_srvs/srv/SetBool"),
+        ("service", "info", "/flip"),
+        ("service", "info", "/nothing"),
+    )
+    assert "/flip [std_srvs/srv/SetBool]\n" in listed[0]
+    assert "_ros2cli" not in listed[0]
+    assert count[0] == f"{listed[0].count(chr(10))}\n"
+    assert typed == ("std_srvs/srv/SetBool\n", "", 0)
+    assert unknown == ("", "", 1)
+    assert found == ("/flip\n", "", 0)
+    assert info == ("Type: std_srvs/srv/SetBool\nClients count: 0\nServices count: 1\n", "", 0)
+    assert no_info == failure("Unknown service '/nothing'")
 
 
-def test_packages(ros2):
-    assert "embedded_ros ros2\n" in ros2("pkg", "executables")[0]
-    assert ros2("pkg", "executables", "embedded_ros")[0] == "embedded_ros ros2\n"
-    assert ros2("run", "nothing", "at_all")[1:] == ("Package 'nothing' not found\n", 1)
-    assert ros2("run", "embedded_ros", "nothing")[1:] == ("No executable found\n", 1)
+def test_service_calls(robot):
+    call = ("service", "call", "/flip")
+    done, short, no_type, no_service, no_field, no_yaml = ros2_all(
+        (*call, "std_srvs/srv/SetBool", "{data: true}"),
+        (*call, "std_srvs/SetBool"),
+        (*call, "std_srvs/srv/Nothing"),
+        (*call, "std_msgs/msg/String"),
+        (*call, "std_srvs/srv/SetBool", "{x: 1}"),
+        (*call, "std_srvs/srv/SetBool", "{data: ["),
+    )
+    response = "response:\nstd_srvs.srv.SetBool_Response(success={}, message='')\n\n"
+    assert done[0].endswith(
+        "requester: making request: std_srvs.srv.SetBool_Request(data=True)\n\n"
+        + response.format(False)
+    )
+    assert short[0].endswith(response.format(True))
+    assert no_type == failure("The passed service type is invalid")
+    assert no_service == failure("The passed type is not a service")
+    assert no_field == failure(
+        "Failed to populate field: 'SetBool_Request' object has no attribute 'x'"
+    )
+    assert no_yaml[1].startswith("The passed value needs to be a dictionary in YAML format: ")
+    assert no_yaml[1].count("\n") == no_yaml[2] == 1
 
 
-def ros2_process(*words):
-    return subprocess.Popen(
-        [sys.executable, "-c", "from ros2cli.cli import main; raise SystemExit(main())", *words],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+def test_definitions_are_shown():
+    pose, constants, default, service, unknown, no_package, malformed = ros2_all(
+        ("interface", "show", "geometry_msgs/msg/PoseStamped"),
+        ("interface", "show", "--no-comments", "diagnostic_msgs/msg/DiagnosticStatus"),
+        ("interface", "show", "geometry_msgs/msg/Quaternion"),
+        ("interface", "show", "rcl_interfaces/srv/ListParameters"),
+        ("interface", "show", "std_msgs/msg/Nothing"),
+        ("interface", "show", "nothing/msg/Nothing"),
+        ("interface", "show", "std_msgs/String"),
+    )
+    assert pose[0].startswith(
+        "std_msgs/Header header\n\tbuiltin_interfaces/Time stamp\n\t\tint32 sec\n"
+        "\t\tuint32 nanosec\n\tstring frame_id\nPose pose\n\tPoint position\n\t\tfloat64 x\n"
+    )
+    assert "byte OK=0\n" in constants[0]
+    assert "KeyValue[] values\n\tstring key\n" in constants[0]
+    assert default[0].endswith("float64 w 1\n")
+    assert service[0] == (
+        "uint64 DEPTH_RECURSIVE=0\nstring[] prefixes\nuint64 depth\n---\n"
+        "ListParametersResult result\n\tstring[] names\n\tstring[] prefixes\n"
+    )
+    assert unknown == failure("Could not find the interface 'std_msgs/msg/Nothing'")
+    assert no_package == failure("Unknown package 'nothing'")
+    assert malformed == failure(
+        "Invalid name 'std_msgs/String'. Expected three parts separated by '/'"
     )
 
 
-def test_run_passes_arguments_and_the_exit_code():
-    with ros2_process("run", "embedded_ros", "ros2", "run", "nothing", "x") as process:
-        assert process.communicate(timeout=20) == ("", "Package 'nothing' not found\n")
-    assert process.returncode == 1
+def test_interfaces_are_listed():
+    everything, services, packages, package, unknown = ros2_all(
+        ("interface", "list"),
+        ("interface", "list", "-s"),
+        ("interface", "packages"),
+        ("interface", "package", "std_srvs"),
+        ("interface", "package", "nothing"),
+    )
+    assert everything[0].startswith("Messages:\n    actionlib_msgs/msg/GoalID\n")
+    assert "Services:\n    diagnostic_msgs/srv/AddDiagnostics\n" in everything[0]
+    assert everything[0].endswith("Actions:\n")
+    assert "std_msgs" not in services[0]
+    assert {"std_msgs", "std_srvs"} < set(packages[0].split())
+    assert package[0] == "std_srvs/srv/Empty\nstd_srvs/srv/SetBool\nstd_srvs/srv/Trigger\n"
+    assert unknown == failure("Unknown package 'nothing'")
 
 
-def test_ctrl_c_ends_echo(robot):
-    with ros2_process("topic", "echo", "/data") as process:
-        assert process.stdout.readline() == "layout:\n"
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=10)
-    assert errors == ""
-    assert process.returncode == 130
+def test_packages_and_executables():
+    packages, executables, own, unknown, no_package, no_executable, nested = ros2_all(
+        ("pkg", "list"),
+        ("pkg", "executables"),
+        ("pkg", "executables", "embedded_ros"),
+        ("pkg", "executables", "nothing"),
+        ("run", "nothing", "at_all"),
+        ("run", "embedded_ros", "nothing"),
+        ("run", "embedded_ros", "ros2", "run", "nothing", "x"),
+    )
+    assert {"embedded_ros", "std_msgs"} < set(packages[0].split())
+    # What pip has installed besides ROS packages is none.
+    assert "pytest" not in executables[0]
+    assert "embedded_ros ros2\n" in executables[0]
+    assert own == ("embedded_ros ros2\n", "", 0)
+    assert unknown == no_package == nested == failure("Package 'nothing' not found")
+    assert no_executable == failure("No executable found")
+
+
+def test_the_doctor_tells_what_runs_over_what(robot):
+    checked, report = ros2_all(("doctor",), ("doctor", "--report"))
+    assert checked[0] == "\nAll 4 checks passed\n\n"
+    assert "UserWarning: Publisher without subscriber detected on /data.\n" in checked[1]
+    assert checked[2] == report[2] == 0
+    for line in (
+        r"   RUNTIME\nruntime +: embedded_ros",
+        r"middleware name +: rmw_cyclonedds_cpp\ntransport +: Cyclone DDS \d",
+        r"discovery range +: LOCALHOST\n",
+        r"interface +: lo \(this machine only\)\n",
+        r"topic +: /data\npublisher count +: 1\nsubscriber count +: 0\n",
+    ):
+        assert re.search(line, report[0]), line
+
+
+def test_a_domain_that_is_none_is_one_line(monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", "many")
+    out, errors, code = ros2("topic", "list")
+    assert (out, errors.count("\n"), code) == ("", 1, 1)
+    assert "ROS_DOMAIN_ID is not an integral number" in errors
+
+
+def test_commands_explain_themselves():
+    top, group, verb, unknown, unknown_verb = ros2_all(
+        (), ("topic",), ("bag", "play", "--help"), ("nothing",), ("topic", "nothing")
+    )
+    assert top[0].startswith("usage: ros2 [-h]")
+    assert group[0].startswith("usage: ros2 topic [-h]")
+    assert verb[0].startswith("usage: ros2 bag play [-h]")
+    assert [result[2] for result in (top, group, verb)] == [0, 0, 0]
+    for result in (unknown, unknown_verb):
+        assert "invalid choice: 'nothing'" in result[1]
+        assert result[2] == 2

@@ -2,15 +2,16 @@
 
 import argparse
 import os
+import signal
 import sys
 from collections.abc import Sequence
 
-from ros2cli import node, param, pkg, run, service, topic
-from ros2cli.errors import CommandError
+from rclpy.executors import ExternalShutdownException
+from ros2cli import bag, doctor, interface, node, param, pkg, run, service, topic
 
 __all__ = ["main"]
 
-_GROUPS = (node, param, pkg, run, service, topic)
+_GROUPS = (bag, doctor, interface, node, param, pkg, run, service, topic)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -36,22 +37,26 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code.
+        Exit code. A command that a signal ends returns the number of the signal, as in Jazzy.
     """
     parser = _parser()
     arguments = parser.parse_args(argv)
     if not hasattr(arguments, "main"):
-        parser.print_help()
+        # Like Jazzy's: `ros2` and `ros2 topic` alone explain themselves and succeed.
+        getattr(arguments, "parser", parser).print_help()
         return 0
     try:
         code: int | None = arguments.main(arguments)
-    except CommandError as error:
-        print(error, file=sys.stderr)
-        return 1
+        sys.stdout.flush()
     except KeyboardInterrupt:
-        return 130
+        return signal.SIGINT
+    except ExternalShutdownException:
+        return signal.SIGTERM
     except BrokenPipeError:
         # The reader has gone; Python must not complain when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except RuntimeError as error:
+        print(error, file=sys.stderr)
         return 1
     return code or 0

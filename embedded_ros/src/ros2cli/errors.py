@@ -1,5 +1,7 @@
 """Errors that end a command with one line and exit code 1."""
 
+__all__ = ["CommandError"]
 
-class CommandError(Exception):
+
+class CommandError(RuntimeError):
     """What the user is told."""

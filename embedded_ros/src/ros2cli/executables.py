@@ -1,10 +1,16 @@
 """Executables of packages, found where pip has put them."""
 
+import json
 from importlib.metadata import Distribution, EntryPoint, PackageNotFoundError, distributions
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
 from ros2cli.errors import CommandError
 
 __all__ = ["executables_of", "find_executable", "package_names"]
+
+#: No ROS package by its files, but it brings ``ros2``.
+_EMBEDDED = "embedded_ros"
 
 
 def _name(distribution: Distribution) -> str:
@@ -15,9 +21,23 @@ def _entry_points(distribution: Distribution) -> list[EntryPoint]:
     return [entry for entry in distribution.entry_points if entry.group == "console_scripts"]
 
 
+def _is_ros_package(distribution: Distribution) -> bool:
+    """Whether a distribution has a ``package.xml``, installed or where it is edited."""
+    if _name(distribution) == _EMBEDDED:
+        return True
+    if any(file.name == "package.xml" for file in distribution.files or ()):
+        return True
+    origin = json.loads(distribution.read_text("direct_url.json") or "{}").get("url", "")
+    return (
+        origin.startswith("file:")
+        and (Path(unquote(urlsplit(origin).path)) / "package.xml").is_file()
+    )
+
+
 def package_names() -> list[str]:
-    """Packages that offer an executable, sorted; names with underscores as in ROS."""
-    return sorted({_name(found) for found in distributions() if _entry_points(found)})
+    """ROS packages that offer an executable, sorted; names with underscores as in ROS."""
+    found = (item for item in distributions() if _entry_points(item) and _is_ros_package(item))
+    return sorted({_name(distribution) for distribution in found})
 
 
 def executables_of(package: str) -> list[EntryPoint]:

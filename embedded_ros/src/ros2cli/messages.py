@@ -1,86 +1,100 @@
-"""Messages by the names of their types, and to and from YAML."""
+"""Messages by the names of their types, and filled with values from YAML."""
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import yaml
 
 from ros2cli.errors import CommandError
 
-__all__ = ["fill", "import_type", "parse_values", "to_plain", "to_yaml"]
+__all__ = ["fill", "import_type", "parse_values"]
 
 
-def import_type(name: str) -> Any:
-    """Class of a type name such as ``std_msgs/msg/String`` or ``std_srvs/srv/Trigger``."""
-    parts = name.split("/")
+def import_type(name: str, kind: str, complaint: str) -> Any:
+    """Class of a type.
+
+    Parameters
+    ----------
+    name : str
+        Such as ``std_msgs/msg/String``, or ``std_msgs/String`` for short.
+    kind : {'msg', 'srv'}
+        What the type must be.
+    complaint : str
+        What the user is told if there is no such type.
+    """
+    package, _, rest = name.partition("/")
+    short = rest.removeprefix(f"{kind}/")
     try:
-        package, kind, short = parts
-        return getattr(importlib.import_module(f"{package}.{kind}"), short)
-    except (ValueError, ImportError, AttributeError):
-        raise CommandError(f"The type '{name}' is invalid or not available") from None
-
-
-def to_plain(value: Any) -> Any:
-    """Make a message a dict of dicts, lists and scalars."""
-    if hasattr(value, "get_fields_and_field_types"):
-        return {name: to_plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
-    if isinstance(value, bytes):
-        return list(value) if len(value) != 1 else value[0]
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    if isinstance(value, list | tuple):
-        return [to_plain(item) for item in value]
-    return value
-
-
-def to_yaml(message: Any) -> str:
-    """Write a message as ``ros2 topic echo`` does."""
-    plain = to_plain(message)
-    return yaml.dump(plain, sort_keys=False, default_flow_style=False, allow_unicode=True)
+        if not package.isidentifier() or not short.isidentifier():
+            raise CommandError(complaint)
+        found = getattr(importlib.import_module(f"{package}.{kind}"), short)
+    except (ImportError, AttributeError):
+        raise CommandError(complaint) from None
+    return found
 
 
 def parse_values(text: str) -> dict[str, Any]:
     """Read the field values of a command line."""
+    complaint = "The passed value needs to be a dictionary in YAML format"
     try:
         values = yaml.safe_load(text)
     except yaml.YAMLError as error:
-        raise CommandError(
-            f"The passed value needs to be a dictionary in YAML format: {error}"
-        ) from None
-    if values is None:
-        return {}
+        raise CommandError(f"{complaint}: {' '.join(str(error).split())}") from None
     if not isinstance(values, dict):
-        raise CommandError("The passed value needs to be a dictionary in YAML format")
+        raise CommandError(complaint)
     return values
 
 
-def fill(message: Any, values: Mapping[str, Any]) -> Any:
-    """Set fields of a message, nested ones from nested dicts."""
+def fill(message: Any, values: Mapping[str, Any]) -> list[Callable[[Any], None]]:
+    """Set fields of a message, nested ones from nested dicts.
+
+    Returns
+    -------
+    list of callable
+        They take a time and set the stamps for which ``auto`` (a header) or ``now`` was given.
+    """
+    stamps: list[Callable[[Any], None]] = []
+    try:
+        _fill(message, values, stamps)
+    except (AttributeError, TypeError, ValueError, OverflowError, AssertionError) as error:
+        raise CommandError(f"Failed to populate field: {' '.join(str(error).split())}") from None
+    return stamps
+
+
+def _fill(message: Any, values: Any, stamps: list[Callable[[Any], None]]) -> Any:
+    if not isinstance(values, Mapping):
+        kind = type(values).__name__
+        raise TypeError(f"Value '{values}' is expected to be a dictionary but is a {kind}")
     types = message.get_fields_and_field_types()
     for name, value in values.items():
         if name not in types:
-            raise CommandError(f"Failed to populate field: '{name}' is no field of {message!r}")
-        try:
-            setattr(message, name, _field_value(getattr(message, name), types[name], value))
-        except (TypeError, ValueError, OverflowError) as error:
-            raise CommandError(f"Failed to populate field: '{name}': {error}") from None
+            raise AttributeError(f"'{type(message).__name__}' object has no attribute '{name}'")
+        current = getattr(message, name)
+        if types[name] == "std_msgs/Header" and value == "auto":
+            stamps.append(partial(setattr, current, "stamp"))
+        elif types[name] == "builtin_interfaces/Time" and value == "now":
+            stamps.append(partial(setattr, message, name))
+        else:
+            setattr(message, name, _field_value(current, types[name], value, stamps))
     return message
 
 
-def _field_value(current: Any, type_name: str, value: Any) -> Any:
+def _field_value(
+    current: Any, type_name: str, value: Any, stamps: list[Callable[[Any], None]]
+) -> Any:
     if hasattr(current, "get_fields_and_field_types"):
-        return fill(current, value or {})
-    if type_name.startswith("sequence<") and "/" in type_name:
-        package, short = (
-            type_name[len("sequence<") :].split(",", maxsplit=1)[0].rstrip(">").split("/")
-        )
-        element = import_type(f"{package}/msg/{short}")
-        return [fill(element(), item) for item in value]
-    if isinstance(current, float) and not isinstance(value, bool):
-        return float(value)
+        return _fill(current, value, stamps)
+    element = type_name.removeprefix("sequence<").rstrip(">").partition(",")[0].partition("[")[0]
+    if element != type_name and "/" in element:
+        package, _, short = element.partition("/")
+        element_class = import_type(f"{package}/msg/{short}", "msg", f"No type {element}")
+        return [_fill(element_class(), item, stamps) for item in value]
     if isinstance(current, bytes):
         return bytes([int(value)])
-    if type_name.startswith("string") and not isinstance(value, str):
-        return str(value)
+    if isinstance(current, bool | int | float | str):
+        return type(current)(value)
+    if element in ("double", "float"):
+        return [float(item) for item in value]
     return value

@@ -1,163 +1,255 @@
 """``ros2 param``: the parameters of nodes."""
 
 import argparse
+import re
+import sys
 from typing import Any
 
 import yaml
 
 import rclpy
 from rclpy.node import Node
-from rclpy.parameter import Parameter, get_parameter_value, parameter_value_to_python
+from rclpy.parameter import (
+    PARAMETER_SEPARATOR_STRING,
+    Parameter,
+    get_parameter_value,
+    parameter_dict_from_yaml_file,
+    parameter_value_to_python,
+)
 from rclpy.parameter_client import AsyncParameterClient
 from ros2cli.errors import CommandError
-from ros2cli.node_session import add_spin_time, command_node, is_hidden
+from ros2cli.node_session import (
+    add_group,
+    add_node_arguments,
+    command_node,
+    is_hidden,
+    spin_until,
+)
 
 __all__ = ["add_commands"]
 
-_TIMEOUT_S = 5.0
-_TITLES = {
-    Parameter.Type.NOT_SET: "Parameter not set.",
-    Parameter.Type.BOOL: "Boolean value is:",
-    Parameter.Type.INTEGER: "Integer value is:",
-    Parameter.Type.DOUBLE: "Double value is:",
-    Parameter.Type.STRING: "String value is:",
-    Parameter.Type.BYTE_ARRAY: "Byte values are:",
-    Parameter.Type.BOOL_ARRAY: "Boolean values are:",
-    Parameter.Type.INTEGER_ARRAY: "Integer values are:",
-    Parameter.Type.DOUBLE_ARRAY: "Double values are:",
-    Parameter.Type.STRING_ARRAY: "String values are:",
+_SERVICE_TIMEOUT_S = 5.0
+#: Sentence and name of each type.
+_TYPES = {
+    Parameter.Type.NOT_SET: ("Parameter not set.", "not set"),
+    Parameter.Type.BOOL: ("Boolean value is:", "boolean"),
+    Parameter.Type.INTEGER: ("Integer value is:", "integer"),
+    Parameter.Type.DOUBLE: ("Double value is:", "double"),
+    Parameter.Type.STRING: ("String value is:", "string"),
+    Parameter.Type.BYTE_ARRAY: ("Byte values are:", "byte array"),
+    Parameter.Type.BOOL_ARRAY: ("Boolean values are:", "boolean array"),
+    Parameter.Type.INTEGER_ARRAY: ("Integer values are:", "integer array"),
+    Parameter.Type.DOUBLE_ARRAY: ("Double values are:", "double array"),
+    Parameter.Type.STRING_ARRAY: ("String values are:", "string array"),
 }
 
 
 def add_commands(groups: Any) -> None:
     """Add the command to the parser."""
-    group = groups.add_parser("param", help="Various param related sub-commands")
-    verbs = group.add_subparsers(title="Commands", required=True)
+    verbs = add_group(groups, "param", "Various param related sub-commands")
+    added = {}
     for name, function, description, operands in (
-        ("list", _list, "Output a list of available parameters", ()),
-        ("get", _get, "Get parameter", ("parameter_name",)),
-        ("set", _set, "Set parameter", ("parameter_name", "value")),
-        ("describe", _describe, "Show descriptive information", ("parameter_name",)),
+        ("delete", _delete, "Delete parameter", ("parameter_name",)),
+        ("describe", _describe, "Show descriptive information about declared parameters", ()),
         ("dump", _dump, "Show all of the parameters of a node in a YAML file format", ()),
+        ("get", _get, "Get parameter", ("parameter_name",)),
+        ("list", _list, "Output a list of available parameters", ()),
         ("load", _load, "Load parameter file for a node", ("parameter_file",)),
+        ("set", _set, "Set parameter", ("parameter_name", "value")),
     ):
-        verb = verbs.add_parser(name, help=description)
+        verb = added[name] = verbs.add_parser(name, help=description)
         verb.add_argument("node_name", nargs="?" if name == "list" else None)
         for operand in operands:
             verb.add_argument(operand)
-        add_spin_time(verb)
+        verb.add_argument(
+            "--timeout",
+            metavar="N",
+            type=float,
+            default=1.0,
+            help="Wait for N seconds until node becomes available (default: %(default)g)",
+        )
+        add_node_arguments(verb)
         verb.set_defaults(main=function)
+    added["describe"].add_argument("parameter_names", nargs="+")
+    added["get"].add_argument("--hide-type", action="store_true", help="Hide the type information")
+    listing = added["list"]
+    listing.add_argument("--filter", metavar="REGEX", help="Only list parameters that match")
+    listing.add_argument(
+        "--param-prefixes", nargs="+", default=[], help="Only list parameters with these prefixes"
+    )
+    listing.add_argument("--param-type", action="store_true", help="Print parameter types")
+    added["load"].add_argument(
+        "--no-use-wildcard", action="store_true", help="Do not load parameters of '/**'"
+    )
 
 
-def _client(node: Node, name: str) -> AsyncParameterClient:
-    client = AsyncParameterClient(node, f"/{name.lstrip('/')}")
-    if not client.wait_for_services(_TIMEOUT_S):
+def _full_name(name: str) -> str:
+    return f"/{name.lstrip('/')}"
+
+
+def _client(node: Node, arguments: argparse.Namespace) -> AsyncParameterClient:
+    """Client of the node that the command names, once it is there."""
+    name = _full_name(arguments.node_name)
+    if not spin_until(
+        node, lambda: name in node.get_fully_qualified_node_names(), arguments.timeout
+    ):
         raise CommandError("Node not found")
+    return _ready_client(node, name)
+
+
+def _ready_client(node: Node, name: str) -> AsyncParameterClient:
+    client = AsyncParameterClient(node, name)
+    if not client.wait_for_services(_SERVICE_TIMEOUT_S):
+        raise CommandError(
+            f"Wait for service timed out waiting for parameter services for node {name}"
+        )
     return client
 
 
 def _result(node: Node, future: Any) -> Any:
-    rclpy.spin_until_future_complete(node, future, timeout_sec=_TIMEOUT_S)
+    rclpy.spin_until_future_complete(node, future, timeout_sec=_SERVICE_TIMEOUT_S)
     if not future.done():
-        raise CommandError(f"The node did not answer within {_TIMEOUT_S:g} seconds")
+        raise CommandError(f"The node did not answer within {_SERVICE_TIMEOUT_S:g} seconds")
     return future.result()
 
 
-def _names(node: Node, name: str) -> list[str]:
-    return sorted(_result(node, _client(node, name).list_parameters()).result.names)
-
-
 def _list(arguments: argparse.Namespace) -> None:
+    try:
+        pattern = re.compile(arguments.filter or "")
+    except re.error as error:
+        raise CommandError(f"Invalid filter '{arguments.filter}': {error}") from None
     with command_node(0.0 if arguments.node_name else arguments.spin_time) as node:
         if arguments.node_name:
-            for parameter in _names(node, arguments.node_name):
-                print(f"  {parameter}")
+            _print_names(node, _client(node, arguments), arguments, pattern, title=None)
             return
-        for name in sorted(node.get_fully_qualified_node_names()):
-            if not is_hidden(name):
-                print(f"{name}:")
-                for parameter in _names(node, name):
-                    print(f"  {parameter}")
+        for name in sorted(set(node.get_fully_qualified_node_names())):
+            if is_hidden(name):
+                continue
+            client = AsyncParameterClient(node, name)
+            if client.wait_for_services(_SERVICE_TIMEOUT_S):
+                _print_names(node, client, arguments, pattern, title=name)
+            else:
+                print(f"Wait for service timed out waiting for parameter services for node {name}")
+
+
+def _print_names(
+    node: Node,
+    client: AsyncParameterClient,
+    arguments: argparse.Namespace,
+    pattern: re.Pattern[str],
+    title: str | None,
+) -> None:
+    found = _result(node, client.list_parameters(arguments.param_prefixes or None)).result.names
+    names = sorted(name for name in found if pattern.match(name))
+    if title and names:
+        print(f"{title}:")
+    types = {}
+    if arguments.param_type and names:
+        descriptors = _result(node, client.describe_parameters(names)).descriptors
+        types = {item.name: f" (type: {_type_name(item.type)})" for item in descriptors}
+    for name in names:
+        print(f"  {name}{types.get(name, '')}")
+
+
+def _type_name(number: int) -> str:
+    return _TYPES[Parameter.Type(number)][1]
 
 
 def _get(arguments: argparse.Namespace) -> None:
     with command_node() as node:
-        client = _client(node, arguments.node_name)
+        client = _client(node, arguments)
         values = _result(node, client.get_parameters([arguments.parameter_name])).values
     if not values:
-        raise CommandError("Parameter not set.")
+        raise CommandError("Parameter not set")
     value = parameter_value_to_python(values[0])
-    print(_TITLES[Parameter.Type(values[0].type)], "" if value is None else value)
+    sentence = _TYPES[Parameter.Type(values[0].type)][0]
+    if arguments.hide_type:
+        print(value)
+    elif value is None:
+        print(sentence)
+    else:
+        print(sentence, value)
 
 
-def _set(arguments: argparse.Namespace) -> int:
+def _set(arguments: argparse.Namespace) -> None:
     from rcl_interfaces.msg import Parameter as ParameterMsg
 
-    parameter = ParameterMsg(
-        name=arguments.parameter_name, value=get_parameter_value(arguments.value)
-    )
+    value = get_parameter_value(arguments.value)
+    parameter = ParameterMsg(name=arguments.parameter_name, value=value)
     with command_node() as node:
-        client = _client(node, arguments.node_name)
+        client = _client(node, arguments)
         result = _result(node, client.set_parameters([parameter])).results[0]
+    _report("Set parameter successful", "Setting parameter failed", result)
+
+
+def _delete(arguments: argparse.Namespace) -> None:
+    with command_node() as node:
+        client = _client(node, arguments)
+        result = _result(node, client.delete_parameters([arguments.parameter_name])).results[0]
+    _report("Deleted parameter successfully", "Deleting parameter failed", result)
+
+
+def _report(success: str, failure: str, result: Any) -> None:
+    """Print a result. Jazzy's exit code is 0 either way, so ours is, too."""
+    reason = f": {result.reason}" if result.reason else ""
     if result.successful:
-        print("Set parameter successful" + (f": {result.reason}" if result.reason else ""))
-        return 0
-    raise CommandError("Setting parameter failed" + (f": {result.reason}" if result.reason else ""))
+        print(f"{success}{reason}")
+    else:
+        print(f"{failure}{reason}", file=sys.stderr)
 
 
 def _describe(arguments: argparse.Namespace) -> None:
     with command_node() as node:
-        client = _client(node, arguments.node_name)
-        found = _result(node, client.describe_parameters([arguments.parameter_name])).descriptors
-    if not found:
-        raise CommandError(f"Parameter {arguments.parameter_name} not found")
-    descriptor = found[0]
-    type_name = Parameter.Type(descriptor.type).name.lower().replace("_", " ")
-    print(f"Parameter name: {descriptor.name}")
-    print(f"  Type: {type_name}")
-    if descriptor.description:
-        print(f"  Description: {descriptor.description}")
-    limits = [*descriptor.floating_point_range, *descriptor.integer_range]
-    print("  Constraints:")
-    if descriptor.read_only:
-        print("    Read only: true")
-    for limit in limits:
-        print(f"    Min value: {limit.from_value}")
-        print(f"    Max value: {limit.to_value}")
-        if limit.step:
-            print(f"    Step: {limit.step}")
-    if descriptor.additional_constraints:
-        print(f"    Additional constraints: {descriptor.additional_constraints}")
+        client = _client(node, arguments)
+        found = _result(node, client.describe_parameters(arguments.parameter_names)).descriptors
+    for descriptor in found:
+        print(f"Parameter name: {descriptor.name}")
+        print(f"  Type: {_type_name(descriptor.type)}")
+        if descriptor.description:
+            print(f"  Description: {descriptor.description}")
+        print("  Constraints:")
+        if descriptor.read_only:
+            print("    Read only: true")
+        for limit in [*descriptor.floating_point_range, *descriptor.integer_range][:1]:
+            print(f"    Min value: {limit.from_value}")
+            print(f"    Max value: {limit.to_value}")
+            if limit.step:
+                print(f"    Step: {limit.step}")
+        if descriptor.additional_constraints:
+            print(f"    Additional constraints: {descriptor.additional_constraints}")
 
 
 def _dump(arguments: argparse.Namespace) -> None:
     with command_node() as node:
-        client = _client(node, arguments.node_name)
-        names = _names(node, arguments.node_name)
+        client = _client(node, arguments)
+        names = sorted(_result(node, client.list_parameters()).result.names)
         values = _result(node, client.get_parameters(names)).values
     tree: dict[str, Any] = {}
     for name, value in zip(names, values, strict=False):
         branch = tree
-        *parents, leaf = name.split(".")
+        *parents, leaf = name.split(PARAMETER_SEPARATOR_STRING)
         for parent in parents:
             branch = branch.setdefault(parent, {})
         branch[leaf] = parameter_value_to_python(value)
-    content = {f"/{arguments.node_name.lstrip('/')}": {"ros__parameters": tree}}
-    print(yaml.dump(content, default_flow_style=False), end="")
+    content = {_full_name(arguments.node_name): {"ros__parameters": tree}}
+    print(yaml.dump(content, default_flow_style=False))
 
 
-def _load(arguments: argparse.Namespace) -> int:
-    with command_node() as node:
-        client = _client(node, arguments.node_name)
-        try:
-            future = client.load_parameter_file(arguments.parameter_file, use_wildcard=True)
-        except (OSError, RuntimeError, yaml.YAMLError) as error:
-            raise CommandError(str(error)) from None
-        results = _result(node, future).results
-    for result in results:
-        print(
-            "Set parameter successful"
-            if result.successful
-            else f"Setting parameter failed: {result.reason}"
+def _load(arguments: argparse.Namespace) -> None:
+    try:
+        parameters = list(
+            parameter_dict_from_yaml_file(
+                arguments.parameter_file, not arguments.no_use_wildcard
+            ).values()
         )
-    return 0 if all(result.successful for result in results) else 1
+    except OSError as error:
+        raise CommandError(str(error)) from None
+    except (UnicodeDecodeError, yaml.YAMLError) as error:
+        reason = " ".join(str(error).split())
+        raise CommandError(f"{arguments.parameter_file} is not valid YAML: {reason}") from None
+    with command_node() as node:
+        client = _client(node, arguments)
+        results = _result(node, client.set_parameters(parameters)).results
+    for parameter, result in zip(parameters, results, strict=True):
+        name = parameter.name
+        _report(f"Set parameter {name} successful", f"Set parameter {name} failed", result)

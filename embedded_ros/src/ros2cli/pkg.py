@@ -4,23 +4,25 @@ import argparse
 from typing import Any
 
 from ros2cli.executables import executables_of, package_names
+from ros2cli.interface_texts import interface_names
+from ros2cli.node_session import add_group
 
 __all__ = ["add_commands"]
 
 
 def add_commands(groups: Any) -> None:
     """Add the command to the parser."""
-    group = groups.add_parser("pkg", help="Various package related sub-commands")
-    verbs = group.add_subparsers(title="Commands", required=True)
-    verb = verbs.add_parser("list", help="Output a list of available packages")
-    verb.set_defaults(main=_list)
+    verbs = add_group(groups, "pkg", "Various package related sub-commands")
     verb = verbs.add_parser("executables", help="Output a list of package specific executables")
     verb.add_argument("package_name", nargs="?", help="The package name")
     verb.set_defaults(main=_executables)
+    verb = verbs.add_parser("list", help="Output a list of available packages")
+    verb.set_defaults(main=_list)
 
 
 def _list(_arguments: argparse.Namespace) -> None:
-    for name in package_names():
+    interfaces = (package for kind in ("msg", "srv") for package in interface_names(kind))
+    for name in sorted({*package_names(), *interfaces}):
         print(name)
 
 

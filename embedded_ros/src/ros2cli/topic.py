@@ -1,173 +1,128 @@
-"""``ros2 topic``: topics and their messages."""
+"""``ros2 topic``: topics, their types and endpoints. What carries messages has its own modules."""
 
 import argparse
-import statistics
-import time
-from itertools import pairwise
 from typing import Any
 
-import rclpy
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+from ros2cli import topic_echo, topic_hz, topic_pub
 from ros2cli.errors import CommandError
-from ros2cli.messages import fill, import_type, parse_values, to_yaml
-from ros2cli.node_session import add_spin_time, command_node, is_hidden
+from ros2cli.node_session import (
+    add_group,
+    add_node_arguments,
+    command_node,
+    full_topic_name,
+    is_hidden,
+)
 
 __all__ = ["add_commands"]
-
-_PUBLISH_WAIT_S = 1.0
 
 
 def add_commands(groups: Any) -> None:
     """Add the command to the parser."""
-    group = groups.add_parser("topic", help="Various topic related sub-commands")
-    verbs = group.add_subparsers(title="Commands", required=True)
-    verb = verbs.add_parser("list", help="Output a list of available topics")
-    verb.add_argument("-t", "--show-types", action="store_true", help="Additionally show the type")
-    add_spin_time(verb)
-    verb.set_defaults(main=_list)
+    verbs = add_group(groups, "topic", "Various topic related sub-commands")
+    topic_echo.add_verb(verbs)
+    verb = verbs.add_parser("find", help="Output a list of available topics of a given type")
+    verb.add_argument("topic_type", help="Name of the topic type (e.g. 'std_msgs/msg/String')")
+    _add_list_arguments(verb)
+    verb.set_defaults(main=_find)
+    topic_hz.add_verb(verbs)
     verb = verbs.add_parser("info", help="Print information about a topic")
     verb.add_argument("topic_name")
     verb.add_argument("-v", "--verbose", action="store_true", help="Print nodes, QoS and hashes")
-    add_spin_time(verb)
+    add_node_arguments(verb)
     verb.set_defaults(main=_info)
-    verb = verbs.add_parser("echo", help="Output messages from a topic")
+    verb = verbs.add_parser("list", help="Output a list of available topics")
+    verb.add_argument("-t", "--show-types", action="store_true", help="Additionally show the type")
+    verb.add_argument(
+        "-v", "--verbose", action="store_true", help="List full details about each topic"
+    )
+    _add_list_arguments(verb)
+    verb.set_defaults(main=_list)
+    topic_pub.add_verb(verbs)
+    verb = verbs.add_parser("type", help="Print a topic's type")
     verb.add_argument("topic_name")
-    verb.add_argument("message_type", nargs="?", help="Found out if a publisher is there")
-    verb.add_argument("--once", action="store_true", help="Print the first message and exit")
-    add_spin_time(verb)
-    verb.set_defaults(main=_echo)
-    verb = verbs.add_parser("hz", help="Print the average publishing rate to screen")
-    verb.add_argument("topic_name")
-    verb.add_argument("-w", "--window", type=int, default=10000, help="Messages to average over")
-    add_spin_time(verb)
-    verb.set_defaults(main=_hz)
-    verb = verbs.add_parser("pub", help="Publish a message to a topic")
-    verb.add_argument("topic_name")
-    verb.add_argument("message_type")
-    verb.add_argument("values", nargs="?", default="{}", help="Values of the fields, in YAML")
-    verb.add_argument("-r", "--rate", type=float, default=1.0, help="Rate in hertz")
-    verb.add_argument("-1", "--once", action="store_true", help="Publish one message and exit")
-    verb.set_defaults(main=_pub)
+    add_node_arguments(verb)
+    verb.set_defaults(main=_type)
+
+
+def _add_list_arguments(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument("-c", "--count-topics", action="store_true", help="Only display the number")
+    verb.add_argument("--include-hidden-topics", action="store_true", help="Consider hidden topics")
+    add_node_arguments(verb)
+
+
+def _others(node: Node, infos: list[TopicEndpointInfo]) -> list[TopicEndpointInfo]:
+    """Endpoints that are not this command's own."""
+    return [info for info in infos if info.node_name != node.get_name()]
+
+
+def _topics(
+    node: Node, *, include_hidden: bool
+) -> list[tuple[str, list[str], list[TopicEndpointInfo], list[TopicEndpointInfo]]]:
+    """Names, types, publishers and subscriptions of the topics that others use."""
+    found = []
+    for name, types in node.get_topic_names_and_types():
+        publishers = _others(node, node.get_publishers_info_by_topic(name))
+        subscriptions = _others(node, node.get_subscriptions_info_by_topic(name))
+        if (publishers or subscriptions) and (include_hidden or not is_hidden(name)):
+            found.append((name, types, publishers, subscriptions))
+    return found
 
 
 def _list(arguments: argparse.Namespace) -> None:
     with command_node(arguments.spin_time) as node:
-        topics = [item for item in node.get_topic_names_and_types() if not is_hidden(item[0])]
-        own = node.get_name()
-        for name, types in topics:
-            # A topic that only this command has made is not there.
-            endpoints = node.get_publishers_info_by_topic(name)
-            endpoints += node.get_subscriptions_info_by_topic(name)
-            if any(endpoint.node_name != own for endpoint in endpoints):
-                print(f"{name} [{', '.join(types)}]" if arguments.show_types else name)
+        topics = _topics(node, include_hidden=arguments.include_hidden_topics)
+    if arguments.count_topics:
+        print(len(topics))
+    elif arguments.verbose:
+        print("Published topics:")
+        for name, types, publishers, _ in topics:
+            _print_count(name, types, len(publishers), "publisher")
+        print("\nSubscribed topics:")
+        for name, types, _, subscriptions in topics:
+            _print_count(name, types, len(subscriptions), "subscriber")
+        print()
+    else:
+        for name, types, _, _ in topics:
+            print(f"{name} [{', '.join(types)}]" if arguments.show_types else name)
+
+
+def _print_count(name: str, types: list[str], count: int, what: str) -> None:
+    if count:
+        print(f" * {name} [{', '.join(types)}] {count} {what}{'s' if count > 1 else ''}")
+
+
+def _find(arguments: argparse.Namespace) -> None:
+    with command_node(arguments.spin_time) as node:
+        topics = _topics(node, include_hidden=arguments.include_hidden_topics)
+    names = [name for name, types, _, _ in topics if arguments.topic_type in types]
+    print(*([len(names)] if arguments.count_topics else names), sep="\n", end="\n" if names else "")
+
+
+def _type(arguments: argparse.Namespace) -> int:
+    with command_node(arguments.spin_time) as node:
+        name = full_topic_name(node, arguments.topic_name)
+        types = dict(node.get_topic_names_and_types()).get(name, [])
+    for type_name in types:
+        print(type_name)
+    return 0 if types else 1
 
 
 def _info(arguments: argparse.Namespace) -> None:
     with command_node(arguments.spin_time) as node:
-        name = node.resolve_topic_name(arguments.topic_name)
+        name = full_topic_name(node, arguments.topic_name)
         types = dict(node.get_topic_names_and_types()).get(name)
         if types is None:
             raise CommandError(f"Unknown topic '{arguments.topic_name}'")
-        print("Type:", types[0] if len(types) == 1 else types)
-        if arguments.verbose:
-            print()
+        end = "\n\n" if arguments.verbose else "\n"
+        print("Type:", types[0] if len(types) == 1 else types, end=end)
         for title, infos in (
             ("Publisher", node.get_publishers_info_by_topic(name)),
             ("Subscription", node.get_subscriptions_info_by_topic(name)),
         ):
-            print(f"{title} count: {len(infos)}")
+            others = _others(node, infos)
+            print(f"{title} count: {len(others)}", end=end)
             if arguments.verbose:
-                print()
-                for info in infos:
-                    print(f"{info}\n")
-
-
-def _type_of(node: Node, topic: str, spin_time: float) -> str:
-    """Type of a topic, once somebody uses it."""
-    name = node.resolve_topic_name(topic)
-    end = time.monotonic() + spin_time
-    while rclpy.ok():
-        types = dict(node.get_topic_names_and_types()).get(name)
-        if types:
-            return types[0]
-        if time.monotonic() > end:
-            break
-        rclpy.spin_once(node, timeout_sec=0.02)
-    raise CommandError(f"WARNING: topic [{topic}] does not appear to be published yet")
-
-
-def _profile(node: Node, topic: str) -> QoSProfile:
-    """Profile that all present publishers of a topic satisfy."""
-    profile = QoSProfile(depth=10)
-    infos = node.get_publishers_info_by_topic(topic)
-    offered = [info.qos_profile for info in infos]
-    if any(qos.reliability == ReliabilityPolicy.BEST_EFFORT for qos in offered):
-        profile.reliability = ReliabilityPolicy.BEST_EFFORT
-    if offered and all(qos.durability == DurabilityPolicy.TRANSIENT_LOCAL for qos in offered):
-        profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
-    return profile
-
-
-def _echo(arguments: argparse.Namespace) -> None:
-    with command_node() as node:
-        topic = arguments.topic_name
-        type_name = arguments.message_type or _type_of(node, topic, arguments.spin_time)
-        printed = 0
-
-        def show(message: Any) -> None:
-            nonlocal printed
-            if not (arguments.once and printed):
-                print(f"{to_yaml(message)}---", flush=True)
-            printed += 1
-
-        node.create_subscription(import_type(type_name), topic, show, _profile(node, topic))
-        while rclpy.ok() and not (arguments.once and printed):
-            rclpy.spin_once(node)
-
-
-def _hz(arguments: argparse.Namespace) -> None:
-    with command_node() as node:
-        topic = arguments.topic_name
-        type_name = _type_of(node, topic, arguments.spin_time)
-        arrivals: list[float] = []
-        node.create_subscription(
-            import_type(type_name),
-            topic,
-            lambda _: arrivals.append(time.monotonic()),
-            _profile(node, topic),
-            raw=True,
-        )
-        shown = time.monotonic()
-        while rclpy.ok():
-            rclpy.spin_once(node, timeout_sec=0.2)
-            del arrivals[: -arguments.window - 1]
-            if time.monotonic() - shown >= 1.0 and len(arrivals) > 1:
-                shown = time.monotonic()
-                gaps = [later - earlier for earlier, later in pairwise(arrivals)]
-                print(f"average rate: {1.0 / statistics.fmean(gaps):.3f}")
-                print(
-                    f"\tmin: {min(gaps):.3f}s max: {max(gaps):.3f}s "
-                    f"std dev: {statistics.pstdev(gaps):.5f}s window: {len(arrivals)}",
-                    flush=True,
-                )
-
-
-def _pub(arguments: argparse.Namespace) -> None:
-    with command_node() as node:
-        message = fill(import_type(arguments.message_type)(), parse_values(arguments.values))
-        publisher = node.create_publisher(type(message), arguments.topic_name, 10)
-        end = time.monotonic() + _PUBLISH_WAIT_S
-        while not publisher.get_subscription_count() and time.monotonic() < end:
-            rclpy.spin_once(node, timeout_sec=0.02)
-        print("publisher: beginning loop")
-        count = 0
-        while rclpy.ok():
-            count += 1
-            print(f"publishing #{count}: {message!r}\n", flush=True)
-            publisher.publish(message)
-            if arguments.once:
-                break
-            rclpy.spin_once(node, timeout_sec=1.0 / arguments.rate)
-        # What was sent last must arrive before the publisher is gone.
-        publisher.wait_for_all_acked()
+                for info in others:
+                    print(info, end=end)
