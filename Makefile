@@ -9,13 +9,19 @@ BIN := $(VENV)/bin
 PACKAGES := src/bdt_msgs_py src/bdt_plant src/bdt_controller src/bdt_twin src/bdt_bringup
 SOURCES := src tests embedded_ros
 
-.PHONY: run test setup check tables lock
+.PHONY: run test conformance setup check tables lock
 
 run: setup
 	$(BIN)/bdt run --config config/paper.yaml
 
 test: check
 	$(BIN)/python -m pytest
+
+# The documented behavior of rclpy: that of a ROS 2 that is sourced, else that of embedded_ros.
+conformance:
+	@if python3 -c 'import rclpy' 2>/dev/null; then python=python3; \
+	else $(MAKE) --no-print-directory setup && python=$(BIN)/python; fi && \
+	PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 $$python -m pytest --confcutdir=tests/conformance tests/conformance
 
 check: setup
 	$(BIN)/ruff check $(SOURCES)

@@ -3,10 +3,9 @@
 import pytest
 import rclpy
 from embedded_ros.ros_arguments import parse_arguments
-from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
+from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.utilities import remove_ros_args
 
 
 def parameters(*arguments, node="n", namespace="/ns"):
@@ -59,12 +58,6 @@ def test_rules_for_a_node_are_for_that_node():
 
 def test_the_last_rule_wins():
     assert parameters("-p", "a:=1", "-p", "a:=2") == {"a": 2}
-
-
-def test_only_what_stands_between_the_marks_is_for_ros():
-    words = ["p", "-p", "x:=1", "--ros-args", "-p", "a:=1", "--", "x", "--ros-args", "-r", "a:=b"]
-    assert remove_ros_args(words) == ["p", "-p", "x:=1", "x"]
-    assert parse_arguments(words).parameters_of("n", "/") == {"a": 1}
 
 
 FILE = """
@@ -145,47 +138,3 @@ def test_malformed_arguments_are_errors_of_init_and_of_nodes(arguments, ros):
         rclpy.init(args=["--ros-args", *arguments], context=Context())
     with pytest.raises(RCLInvalidROSArgsError, match="Failed to parse ROS arguments"):
         Node("n", context=ros.context, cli_args=["--ros-args", *arguments])
-
-
-def test_unknown_arguments_are_listed():
-    with pytest.raises(UnknownROSArgsError, match=r"\['--what', 'ever'\]"):
-        rclpy.init(args=["--ros-args", "--what", "ever"], context=Context())
-
-
-@pytest.fixture
-def remapped():
-    context = Context()
-    rules = ["foo:=bar", "/absolute:=/elsewhere", "~/private:=public", "given:__ns:=/there"]
-    rules += ["given:__node:=taken", "rosservice://trig:=girt", "taken:mine:=yours"]
-    rclpy.init(context=context, args=["--ros-args", *(w for rule in rules for w in ("-r", rule))])
-    node = Node("given", context=context, namespace="here")
-    yield node
-    node.destroy_node()
-    context.try_shutdown()
-
-
-def test_nodes_are_renamed_and_names_remapped(remapped):
-    assert remapped.get_fully_qualified_name() == "/there/taken"
-    assert remapped.get_logger().name == "there.taken"
-    assert remapped.resolve_topic_name("foo") == "/there/bar"
-    assert remapped.resolve_topic_name("/absolute") == "/elsewhere"
-    assert remapped.resolve_topic_name("~/private") == "/there/public"
-    assert remapped.resolve_topic_name("foo", only_expand=True) == "/there/foo"
-    assert remapped.resolve_topic_name("mine") == "/there/yours"
-    assert remapped.resolve_service_name("trig") == "/there/girt"
-    assert remapped.resolve_topic_name("trig") == "/there/trig"
-
-
-def test_arguments_of_a_node_come_before_those_of_the_process(ros):
-    context = Context()
-    rclpy.init(context=context, args=["--ros-args", "-p", "a:=1", "-p", "b:=1", "-r", "x:=y"])
-    own = ["--ros-args", "-p", "a:=2", "-r", "x:=z"]
-    node = Node("n", context=context, cli_args=own)
-    assert node.declare_parameter("a", 0).value == 2
-    assert node.declare_parameter("b", 0).value == 1
-    assert node.resolve_topic_name("x") == "/z"
-    alone = Node("m", context=context, use_global_arguments=False)
-    assert alone.declare_parameter("a", 0).value == 0
-    for each in (node, alone):
-        each.destroy_node()
-    context.shutdown()

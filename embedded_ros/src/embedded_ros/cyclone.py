@@ -20,6 +20,7 @@ __all__ = [
     "WaitSet",
     "assert_liveliness",
     "delete",
+    "get_status",
     "guid",
     "instance_handle",
     "matched",
@@ -165,6 +166,11 @@ def take_status(entity: int, mask: int) -> int:
     status = ct.c_uint32()
     _take_status(entity, ct.byref(status), mask)
     return status.value
+
+
+def get_status(function: str, entity: int, numbers: "ct.Array[ct.c_int32]") -> None:
+    """Have a function such as ``dds_get_sample_lost_status`` fill in its structure."""
+    _check(getattr(_lib, function)(ct.c_int32(entity), ct.byref(numbers)), function)
 
 
 class GuardCondition:

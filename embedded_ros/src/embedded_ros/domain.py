@@ -5,9 +5,12 @@ loopback interface alone, without multicast. What ``CYCLONEDDS_URI`` holds comes
 configuration and so wins.
 """
 
+import contextlib
 import os
+import re
 import threading
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from cyclonedds.core import DDSException, Policy, Qos
 from cyclonedds.domain import Domain, DomainParticipant
@@ -122,6 +125,9 @@ def create_participant(domain_id: int, enclave: str) -> DomainParticipant:
         ),
         environment.get("CYCLONEDDS_URI", ""),
     ]
+    if _selects_interfaces(parts[1]):
+        # Cyclone takes no interface twice, and what the environment says comes first.
+        parts[0] = re.sub("<Interfaces>.*?</Interfaces>", "", parts[0])
     configuration = ",".join(part for part in parts if part)
     with _lock:
         if domain_id not in _domains:
@@ -138,6 +144,16 @@ def create_participant(domain_id: int, enclave: str) -> DomainParticipant:
             ) from error
         _domains[domain_id].participants.add(participant._ref)
     return participant
+
+
+def _selects_interfaces(uri: str) -> bool:
+    """Tell whether a value of ``CYCLONEDDS_URI``, or a file that it names, chooses interfaces."""
+    texts = [uri]
+    for part in uri.split(","):
+        if part.startswith("file://"):
+            with contextlib.suppress(OSError):  # Cyclone complains of it
+                texts.append(Path(part.removeprefix("file://")).read_text(encoding="utf-8"))
+    return any("<networkinterface" in text.lower() for text in texts)
 
 
 def close_participant(domain_id: int, participant: int) -> None:

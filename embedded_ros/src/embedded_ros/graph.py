@@ -90,7 +90,8 @@ class Graph:
     ) -> None:
         self._participant = participant
         self._guid = cyclone.guid(participant._ref)
-        self._lock = threading.Lock()
+        # Reentrant: a garbage collection under the lock may drop a node, which then leaves.
+        self._lock = threading.RLock()
         self._own: list[NodeEntities] = []
         self._others: dict[bytes, list[NodeEntities]] = {}
         self._seen: set[bytes] = set()
@@ -227,6 +228,12 @@ class Graph:
         for info, endpoint in samples:
             if info.instance_state == _ALIVE:
                 yield endpoint
+
+    def leave(self) -> None:
+        """Tell the others that the nodes are gone; their endpoints live on."""
+        with self._lock:
+            self._own = []
+            self._publish()
 
     def close(self) -> None:
         """Delete the endpoints of the graph itself."""

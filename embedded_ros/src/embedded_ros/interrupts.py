@@ -8,8 +8,8 @@ handlers of rclpy are installed for the signal.
 """
 
 import contextlib
+import os
 import signal
-import socket
 import threading
 import weakref
 from types import FrameType
@@ -23,7 +23,8 @@ _lock = threading.RLock()
 _sessions: weakref.WeakSet[Session] = weakref.WeakSet()
 _installed: set[int] = set()
 _replaced: dict[int, Any] = {}
-_channel: tuple[socket.socket, socket.socket] | None = None
+#: Reading and writing end of a pipe.
+_channel: tuple[int, int] | None = None
 _previous_descriptor = -1
 _thread: threading.Thread | None = None
 _STOP = b"\0"
@@ -84,9 +85,9 @@ def _start() -> None:
         if _thread is not None or threading.current_thread() is not threading.main_thread():
             return
         if _channel is None:
-            _channel = socket.socketpair()
-            _channel[1].setblocking(False)
-        _previous_descriptor = signal.set_wakeup_fd(_channel[1].fileno(), warn_on_full_buffer=False)
+            _channel = os.pipe()
+            os.set_blocking(_channel[1], False)
+        _previous_descriptor = signal.set_wakeup_fd(_channel[1], warn_on_full_buffer=False)
         _thread = threading.Thread(
             target=_listen, args=(_channel[0],), name="rclpy signals", daemon=True
         )
@@ -101,16 +102,16 @@ def _stop() -> None:
     _thread = None
     if threading.current_thread() is threading.main_thread():
         signal.set_wakeup_fd(_previous_descriptor)
-    # The sockets stay open: another thread cannot take the descriptor back from the interpreter.
+    # The pipe stays open: another thread cannot take the descriptor back from the interpreter.
     with contextlib.suppress(OSError):
-        _channel[1].send(_STOP)
+        os.write(_channel[1], _STOP)
     if thread is not threading.current_thread():
         # It may wait for the lock to handle a last signal; nothing is left for it to do then.
         thread.join(timeout=0.1)
 
 
-def _listen(channel: socket.socket) -> None:
-    while data := channel.recv(64):
+def _listen(channel: int) -> None:
+    while data := os.read(channel, 64):
         for number in data:
             if number == _STOP[0]:
                 return

@@ -18,6 +18,8 @@ from embedded_ros.definitions import (
     service_names,
 )
 from embedded_ros.field_checks import ARRAY_CODES, make_check
+from embedded_ros.field_values import to_array, to_fixed_array
+from embedded_ros.slot_types import slot_type
 
 __all__ = ["CHECK_FIELDS", "interface", "interface_names", "message_class", "ros_type_name"]
 
@@ -31,11 +33,21 @@ _lock = threading.RLock()
 _classes: dict[str, type[Any]] = {}
 
 
-class MessageBase:
+class _MessageType(type):
+    """Keeps the constants of a message class constant."""
+
+    def __setattr__(cls, name: str, value: Any) -> None:
+        if name.isupper():
+            raise AttributeError(f"{cls.__name__}.{name} is a constant")
+        super().__setattr__(name, value)
+
+
+class MessageBase(metaclass=_MessageType):
     """What the generated classes share: comparison, ``repr`` and the description of fields."""
 
     __slots__ = ()
     _fields_and_field_types: ClassVar[dict[str, str]] = {}
+    SLOT_TYPES: ClassVar[tuple[Any, ...]] = ()
     #: ``package/msg/Name``: how the embedded transport recognizes a message class.
     _ros_type = ""
 
@@ -140,12 +152,17 @@ def _service_class(name: str) -> type[Any]:
                 {
                     "__doc__": f"Service {name}.",
                     "__module__": f"{package}.srv",
+                    "__init__": _no_instance,
                     "Request": message_class(f"{name}_Request"),
                     "Response": message_class(f"{name}_Response"),
                     "_ros_service": name,
                 },
             )
         return _classes[name]
+
+
+def _no_instance(_self: Any) -> None:
+    raise NotImplementedError("Service classes can not be instantiated")
 
 
 def _idl_type(field: Field) -> str:
@@ -180,9 +197,10 @@ def _make_class(type_name: str) -> type[Any]:
         "__slots__": [*(f"_{field.name}" for field in fields), "_check_fields"],
         "__init__": _make_init(short, fields, nested),
         "_fields_and_field_types": {field.name: _idl_type(field) for field in fields},
+        "SLOT_TYPES": tuple(slot_type(field) for field in fields),
         "_ros_type": type_name,
     }
-    return type(short, (MessageBase,), namespace)
+    return _MessageType(short, (MessageBase,), namespace)
 
 
 def _default(field: Field) -> str:
@@ -231,7 +249,7 @@ def _make_init(class_name: str, fields: list[Field], nested: dict[str, Any]) -> 
             f"        self.{field.name} = {_converted(field)}",
         ]
     scope = {"_unset": object(), "_check": CHECK_FIELDS, "array": array, "zeros": np.zeros}
-    scope |= {"_to_array": _to_array, "_to_fixed_array": _to_fixed_array, **nested}
+    scope |= {"_to_array": to_array, "_to_fixed_array": to_fixed_array, **nested}
     exec("\n".join(lines), scope)  # noqa: S102 - source made above from type definitions
     init: Any = scope["__init__"]
     init.__qualname__ = f"{class_name}.__init__"
@@ -254,7 +272,7 @@ def _property(field: Field, message: type[Any] | None) -> property:
             if isinstance(value, array):
                 setattr(self, slot, value)
                 return
-        setattr(self, slot, _to_array(code or "", value))
+        setattr(self, slot, to_array(code or "", value))
 
     def set_array(self: Any, value: Any) -> None:
         if self._check_fields:
@@ -268,20 +286,3 @@ def _property(field: Field, message: type[Any] | None) -> property:
     if code is not None and field.container is not None:
         setter = set_sequence if field.container == "sequence" else set_array
     return property(attrgetter(slot), setter, doc=f"Message field '{field.name}'.")
-
-
-def _to_fixed_array(code: str, value: Any, size: int) -> "np.ndarray[Any, Any]":
-    result = np.array(value, dtype=code)
-    assert result.shape == (size,)
-    return result
-
-
-def _to_array(code: str, value: Any) -> "array[Any]":
-    if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.char != "O":
-        # array.array would walk a numpy array element by element: 40 ns each.
-        wanted = np.dtype(code)
-        if value.dtype == wanted or np.can_cast(value.dtype, wanted, "safe"):
-            result = array(code)
-            result.frombytes(np.ascontiguousarray(value, wanted).tobytes())
-            return result
-    return array(code, value)

@@ -4,10 +4,12 @@ The validators return None, or the text and the position that rcl and rmw give f
 """
 
 import re
+from typing import Final
 
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 
 __all__ = [
+    "IS_INVALID",
     "expand",
     "expand_valid",
     "full_topic_name_error",
@@ -20,6 +22,9 @@ __all__ = [
 _NODE_NAME_LIMIT = 255
 _NAMESPACE_LIMIT = 245
 _TOPIC_LIMIT = 247
+#: Stands between a name and the reason in the texts of :func:`expand`.
+IS_INVALID: Final = " is invalid: "
+
 Fault = tuple[str, int]
 
 
@@ -133,7 +138,22 @@ def join(namespace: str, name: str) -> str:
 
 
 def expand(name: str, node_name: str, namespace: str) -> str:
-    """Make a topic or service name absolute; the name must be valid."""
+    """Make a topic or service name absolute.
+
+    Raises
+    ------
+    ValueError
+        If one of the names is invalid or there is no such substitution. The text ends with the
+        reason.
+    """
+    for what, value, fault in (
+        ("topic name", name, topic_name_error(name)),
+        ("node name", node_name, node_name_error(node_name)),
+        ("node namespace", namespace, namespace_error(namespace)),
+    ):
+        if fault is not None:
+            raise ValueError(f"{what} '{value}'{IS_INVALID}{fault[0]}")
+    given = name
     if name.startswith("~"):
         name = join(namespace, node_name) + name[1:]
     for substitution, value in (
@@ -142,6 +162,8 @@ def expand(name: str, node_name: str, namespace: str) -> str:
         ("{ns}", namespace),
     ):
         name = name.replace(substitution, value)
+    if unknown := re.search(r"\{\w*\}", name):
+        raise ValueError(f"topic name '{given}'{IS_INVALID}unknown substitution: {unknown[0]}")
     if name.startswith("/"):
         return name
     return join(namespace, name)
@@ -161,8 +183,6 @@ def expand_valid(name: str, node_name: str, namespace: str, *, is_service: bool 
     if fault is not None:
         raise invalid(name, *fault)
     expanded = expand(name, node_name, namespace)
-    if unknown := re.search(r"\{\w*\}", expanded):
-        raise ValueError(f"topic name '{name}' is invalid: unknown substitution: {unknown[0]}")
     fault = full_topic_name_error(expanded)
     if fault is not None:
         raise invalid(expanded, *fault)

@@ -1,5 +1,6 @@
 """The DDS side of a context: one participant and what its nodes share."""
 
+import atexit
 import itertools
 import threading
 import weakref
@@ -8,8 +9,8 @@ from typing import Protocol
 from cyclonedds.pub import Publisher
 from cyclonedds.sub import Subscriber
 
-from embedded_ros import cyclone
-from embedded_ros.dds_qos import may_block, to_dds
+from embedded_ros import best_available, cyclone
+from embedded_ros.dds_qos import may_block, profile_of, to_dds
 from embedded_ros.definitions import type_hash
 from embedded_ros.domain import close_participant, create_participant
 from embedded_ros.endpoints import Reader, Writer
@@ -51,7 +52,9 @@ class Session:
         self.publisher = Publisher(self.participant)
         self.subscriber = Subscriber(self.participant)
         self.graph = Graph(self.participant, self.publisher, self.subscriber)
-        self._lock = threading.Lock()
+        _sessions.add(self)
+        # Reentrant: a garbage collection under the lock may drop a node, which then leaves.
+        self._lock = threading.RLock()
         self._closed = False
         self._users = 0
         self._service_ids = itertools.count(1)
@@ -60,6 +63,7 @@ class Session:
     def writer(self, topic: str, ros_type: str, profile: QoSProfile, extra: str = "") -> Writer:
         """Create a writer; `extra` goes before the type hash in its user data."""
         self._check_valid("publisher")
+        profile = self._settled(topic, profile, is_writer=True)
         qos = to_dds(profile, f"{extra}typehash={type_hash(ros_type)};")
         return Writer(
             self.participant, self.publisher, topic, ros_type, qos, may_block=may_block(profile)
@@ -68,8 +72,22 @@ class Session:
     def reader(self, topic: str, ros_type: str, profile: QoSProfile, extra: str = "") -> Reader:
         """Create a reader; `extra` goes before the type hash in its user data."""
         self._check_valid("subscription")
+        profile = self._settled(topic, profile, is_writer=False)
         qos = to_dds(profile, f"{extra}typehash={type_hash(ros_type)};")
         return Reader(self.participant, self.subscriber, topic, ros_type, qos)
+
+    def _settled(self, topic: str, profile: QoSProfile, *, is_writer: bool) -> QoSProfile:
+        """Give policies that are best available the values that suit the peers."""
+        if not best_available.is_open(profile):
+            return profile
+        if topic.startswith(("rq/", "rr/")):
+            return best_available.for_service(profile)
+        peers = (
+            self.graph.readers(with_qos=True) if is_writer else self.graph.writers(with_qos=True)
+        )
+        known = [profile_of(peer.qos) for peer in peers if peer.topic == topic and peer.qos]
+        settle = best_available.for_publisher if is_writer else best_available.for_subscription
+        return settle(profile, known)
 
     def _check_valid(self, what: str) -> None:
         if not self.valid:
@@ -118,7 +136,18 @@ class Session:
 
     def close(self) -> None:
         """Delete the participant and everything in it."""
+        _sessions.discard(self)
         self._closed = True
         self.valid = False
         self.graph.close()
         close_participant(self.domain_id, self.ref)
+
+
+_sessions: weakref.WeakSet[Session] = weakref.WeakSet()
+
+
+@atexit.register
+def _leave_graphs() -> None:
+    """Have the peers know at once what a program leaves behind that ends without cleaning up."""
+    for session in list(_sessions):
+        session.graph.leave()

@@ -7,20 +7,16 @@ import os
 import threading
 import time
 import warnings
-from collections import deque
 from collections.abc import Callable, Coroutine
-from types import CoroutineType, TracebackType
+from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from embedded_ros import cyclone, interrupts
-from rclpy.client import Client
+from embedded_ros.callback_running import CallbackRunning
+from embedded_ros.readiness import Work
 from rclpy.context import Context
 from rclpy.exceptions import NotInitializedException
-from rclpy.guard_condition import GuardCondition
-from rclpy.service import Service
-from rclpy.subscription import Subscription
 from rclpy.task import Future, Task
-from rclpy.timer import Timer
 from rclpy.utilities import get_default_context, timeout_sec_to_nsec
 
 if TYPE_CHECKING:
@@ -35,13 +31,6 @@ __all__ = [
     "SingleThreadedExecutor",
     "TimeoutException",
 ]
-
-Watched = Subscription | GuardCondition | Client | Service
-Entity = Timer | Watched
-Work = Task | tuple[Entity, Any]
-
-# rclpy serves the entities of a node in this order.
-_ORDER: dict[type, int] = {Timer: 0, Subscription: 1, GuardCondition: 2, Client: 3, Service: 4}
 
 
 class TimeoutException(Exception):
@@ -64,7 +53,7 @@ def _never() -> bool:
     return False
 
 
-class Executor:
+class Executor(CallbackRunning):
     """Base of the executors.
 
     Parameters
@@ -78,23 +67,7 @@ class Executor:
         session = self._context.handle
         if session is None:
             raise NotInitializedException("cannot create an executor")
-        self._nodes: list[Node] = []
-        self._nodes_lock = threading.RLock()
-        self._is_shutdown = False
-        self._guard = cyclone.GuardCondition(session.ref)
-        self._wait_set = cyclone.WaitSet(session.ref)
-        self._wait_set.attach(self._guard.ref)
-        # What the wait set watches, by the number that it reports.
-        self._attached: dict[int, Watched] = {}
-        self._timers: list[Timer] = []
-        self._entities_changed = True
-        # Entities or timers that are due while another callback of their group runs. They are not
-        # watched meanwhile: they would wake the wait set again and again.
-        self._has_blocked = False
-        self._ready: deque[Entity] = deque()
-        self._tasks: deque[Task] = deque()
-        # Coroutines that yielded without waiting for anything: they go on after a look around.
-        self._yielded: deque[Task] = deque()
+        self._init_readiness(session)
         session.register(self)
         if session.valid:
             # The context may come from another thread, which cannot set this up.
@@ -163,16 +136,6 @@ class Executor:
                 return
             self._nodes.remove(node)
         self.wake()
-
-    def get_nodes(self) -> list[Node]:
-        """Nodes whose callbacks are run."""
-        with self._nodes_lock:
-            return list(self._nodes)
-
-    def wake(self) -> None:
-        """Look at the nodes again: an entity was made or destroyed."""
-        self._entities_changed = True
-        self._guard.set()
 
     def interrupt(self) -> None:
         """Come out of the wait to see whether the context is shut down."""
@@ -250,12 +213,13 @@ class Executor:
                 self._update_wait_set()
             left = cyclone.INFINITE if deadline is None else deadline - time.monotonic_ns()
             fired = self._wait_set.wait(self._shortened(left))
+            if self._guard.ref in fired:
+                # Before the looks at what it may have been set for: the next wait would miss it.
+                self._guard.clear()
             if self._is_shutdown:
                 return None
             if not self._context.ok():
                 raise ExternalShutdownException
-            if self._guard.ref in fired:
-                self._guard.clear()
             self._note_ready(fired)
             if self._yielded:
                 self._tasks.extend(self._yielded)
@@ -263,148 +227,6 @@ class Executor:
             if left <= 0 and not self._ready and not self._tasks:
                 return None
         return None
-
-    def _shortened(self, left: int) -> int:
-        """Time to wait: up to `left`, not beyond the next timer."""
-        if self._yielded or self._tasks or self._entities_changed:
-            return 0
-        for timer in self._timers:
-            until = timer._nanoseconds_left()
-            if until is None or until >= left:
-                continue
-            group = timer.callback_group
-            if until == 0 and group is not None and not group.can_execute(timer):
-                self._has_blocked = True
-                if not group.can_execute(timer):
-                    continue
-            left = until
-        return max(left, 0)
-
-    def _note_ready(self, fired: list[int]) -> None:
-        ready: list[Entity] = [timer for timer in self._timers if timer._nanoseconds_left() == 0]
-        ready += [self._attached[ref] for ref in fired if ref in self._attached]
-        if len(ready) > 1:
-            ready.sort(key=lambda entity: _ORDER[type(entity)])
-        self._ready.extend(ready)
-
-    def _update_wait_set(self) -> None:
-        self._entities_changed = False
-        # Up while we look: who releases a group meanwhile must wake us to look again.
-        self._has_blocked = True
-        found_blocked = False
-        wanted: dict[int, Watched] = {}
-        timers: list[Timer] = []
-        for node in self.get_nodes():
-            timers.extend(node.timers)
-            watched: tuple[Watched, ...] = (
-                *node.subscriptions,
-                *node.guards,
-                *node.clients,
-                *node.services,
-            )
-            for entity in watched:
-                group = entity.callback_group
-                if group is None or group.can_execute(entity):
-                    wanted[entity._wait_ref] = entity
-                else:
-                    found_blocked = True
-        self._has_blocked = found_blocked
-        with self._nodes_lock:
-            if self._is_shutdown:
-                return
-            for ref in self._attached.keys() - wanted.keys():
-                self._wait_set.detach(ref)
-            for ref in wanted.keys() - self._attached.keys():
-                self._wait_set.attach(ref)
-            self._attached = wanted
-            self._timers = timers
-        known = {*map(id, wanted.values()), *map(id, timers)}
-        for gone in [entity for entity in self._ready if id(entity) not in known]:
-            self._ready.remove(gone)
-
-    # ------------------------------------------------------------------ running
-
-    def _claim(self, entity: Entity) -> Any:
-        """Take what an entity has, if its group lets its callback run now."""
-        group = entity.callback_group
-        if group is not None and not group.beginning_execution(entity):
-            # Marked first: the group may be released at this very moment.
-            self._has_blocked = True
-            self._entities_changed = True
-            return None
-        try:
-            taken = entity._take()
-        except BaseException:
-            self._release(entity)
-            raise
-        if taken is None:
-            self._release(entity)
-        return taken
-
-    def _release(self, entity: Entity) -> None:
-        if entity.callback_group is not None:
-            entity.callback_group.ending_execution(entity)
-        if self._has_blocked:
-            self.wake()
-
-    def _run(self, work: Work) -> None:
-        """Run a callback; its exception comes out of here."""
-        if isinstance(work, Task):
-            self._step(work)
-            return
-        entity, taken = work
-        is_suspended = False
-        try:
-            result = self._call(entity, taken)
-            if result.__class__ is CoroutineType:
-                task = Task(_and_then(result, lambda: self._release(entity)), executor=self)
-                is_suspended = True
-                self._step(task)
-        finally:
-            if not is_suspended:
-                self._release(entity)
-
-    def _call(self, entity: Entity, taken: Any) -> Any:
-        if isinstance(entity, Service):
-            header, request = taken
-            response = entity.callback(request, entity.srv_type.Response())
-            if response.__class__ is CoroutineType:
-                return _answer(entity, header, response)
-            entity.send_response(response, header)
-            return None
-        if isinstance(taken, tuple):
-            callback, arguments = taken
-            if isinstance(entity, Client):
-                callback.__self__._set_executor(self)
-            return callback(*arguments)
-        return taken()
-
-    def _step(self, task: Task) -> None:
-        task()
-        if task.done():
-            error = task.exception()
-            if error is not None:
-                raise error
-        elif task._awaited is not None:
-            # Through this executor's queue: whoever sets the result must not run the coroutine.
-            task._awaited.add_done_callback(lambda _: self._resume(task))
-        elif not task.cancelled():
-            self._yielded.append(task)
-
-    def _resume(self, task: Task) -> None:
-        self._tasks.append(task)
-        self._guard.set()
-
-
-async def _and_then(coroutine: Coroutine[Any, Any, Any], finish: Callable[[], None]) -> Any:
-    try:
-        return await coroutine
-    finally:
-        finish()
-
-
-async def _answer(service: Service, header: Any, response: Coroutine[Any, Any, Any]) -> None:
-    service.send_response(await response, header)
 
 
 class SingleThreadedExecutor(Executor):

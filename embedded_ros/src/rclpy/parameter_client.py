@@ -8,9 +8,11 @@ from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
 from rclpy.qos import QoSProfile, qos_profile_parameter_events, qos_profile_services_default
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
@@ -171,6 +173,8 @@ class AsyncParameterClient:
         qos_profile: QoSProfile = qos_profile_parameter_events,
         *,
         callback_group: CallbackGroup | None = None,
+        event_callbacks: SubscriptionEventCallbacks | None = None,
+        qos_overriding_options: QoSOverridingOptions | None = None,
         raw: bool = False,
     ) -> Subscription:
         """Subscribe to the parameter events of all nodes."""
@@ -182,6 +186,8 @@ class AsyncParameterClient:
             callback,
             qos_profile,
             callback_group=callback_group,
+            event_callbacks=event_callbacks,
+            qos_overriding_options=qos_overriding_options,
             raw=raw,
         )
 

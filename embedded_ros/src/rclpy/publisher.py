@@ -14,6 +14,7 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.qos import QoSProfile
 
 if TYPE_CHECKING:
+    from embedded_ros.endpoint_events import EndpointEvents
     from embedded_ros.session import Session
 
 __all__ = ["Publisher"]
@@ -34,6 +35,8 @@ class Publisher:
         self._session = session
         self._writer = writer
         self._topic_name = topic_name
+        #: Callbacks for events, watched by executors; set by the node.
+        self._events: EndpointEvents | None = None
         self._serialize: Callable[[Any, bytearray], None] = codec(msg_type._ros_type).write
         self.msg_type = msg_type
         self.topic = topic

@@ -1,9 +1,17 @@
 """Quality of service: policies, profiles and presets."""
 
 import warnings
-from enum import Enum, IntEnum
+from enum import Enum
 from typing import Any, Final
 
+from embedded_ros.qos_compatibility import QoSCompatibility, qos_check_compatible
+from embedded_ros.qos_policies import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSPolicyKind,
+    ReliabilityPolicy,
+)
 from rclpy.duration import Duration, Infinite
 
 __all__ = [
@@ -35,21 +43,6 @@ __all__ = [
 ]
 
 
-class QoSPolicyKind(IntEnum):
-    """Names of the policies in events about incompatible QoS."""
-
-    INVALID = 1 << 0
-    DURABILITY = 1 << 1
-    DEADLINE = 1 << 2
-    LIVELINESS = 1 << 3
-    RELIABILITY = 1 << 4
-    HISTORY = 1 << 5
-    LIFESPAN = 1 << 6
-    DEPTH = 1 << 7
-    LIVELINESS_LEASE_DURATION = 1 << 8
-    AVOID_ROS_NAMESPACE_CONVENTIONS = 1 << 9
-
-
 def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
     """Name of a policy kind."""
     return QoSPolicyKind(policy_kind).name
@@ -60,64 +53,6 @@ class InvalidQoSProfileException(Exception):
 
     def __init__(self, *args: object) -> None:
         super().__init__("Invalid QoSProfile", *args)
-
-
-class QoSPolicyEnum(IntEnum):
-    """Base of the policies: the short keys are those of the command line."""
-
-    @classmethod
-    def short_keys(cls) -> list[str]:
-        """Keys in lower case."""
-        return [key.lower() for key in cls.__members__]
-
-    @classmethod
-    def get_from_short_key(cls, name: str) -> int:
-        """Value of a key in any case."""
-        return cls[name.upper()].value
-
-    @property
-    def short_key(self) -> str:
-        """Key of this value in lower case."""
-        return self.name.lower()
-
-
-class HistoryPolicy(QoSPolicyEnum):
-    """How many samples are kept."""
-
-    SYSTEM_DEFAULT = 0
-    KEEP_LAST = 1
-    KEEP_ALL = 2
-    UNKNOWN = 3
-
-
-class ReliabilityPolicy(QoSPolicyEnum):
-    """Whether lost samples are sent again."""
-
-    SYSTEM_DEFAULT = 0
-    RELIABLE = 1
-    BEST_EFFORT = 2
-    UNKNOWN = 3
-    BEST_AVAILABLE = 4
-
-
-class DurabilityPolicy(QoSPolicyEnum):
-    """Whether late joiners get earlier samples."""
-
-    SYSTEM_DEFAULT = 0
-    TRANSIENT_LOCAL = 1
-    VOLATILE = 2
-    UNKNOWN = 3
-    BEST_AVAILABLE = 4
-
-
-class LivelinessPolicy(QoSPolicyEnum):
-    """Who asserts that a publisher lives."""
-
-    SYSTEM_DEFAULT = 0
-    AUTOMATIC = 1
-    MANUAL_BY_TOPIC = 3
-    UNKNOWN = 4
-    BEST_AVAILABLE = 5
 
 
 QoSHistoryPolicy = HistoryPolicy
@@ -345,101 +280,3 @@ class QoSPresetProfiles(Enum):
         """Profile of a key in any case."""
         profile: QoSProfile = cls[name.upper()].value
         return profile
-
-
-class QoSCompatibility(IntEnum):
-    """Whether a publisher and a subscription exchange messages."""
-
-    OK = 0
-    WARNING = 1
-    ERROR = 2
-
-
-def qos_check_compatible(
-    publisher_qos: QoSProfile, subscription_qos: QoSProfile
-) -> tuple[QoSCompatibility, str]:
-    """Check whether two profiles are compatible.
-
-    Returns
-    -------
-    QoSCompatibility
-        ``WARNING`` if it depends on values that are not known yet.
-    str
-        The reasons, separated by semicolons.
-    """
-    errors = _incompatibilities(publisher_qos, subscription_qos)
-    if errors:
-        return QoSCompatibility.ERROR, "".join(f"ERROR: {error};" for error in errors)
-    warnings_ = _possible_incompatibilities(publisher_qos, subscription_qos)
-    if warnings_:
-        return QoSCompatibility.WARNING, "".join(f"WARNING: {text};" for text in warnings_)
-    return QoSCompatibility.OK, ""
-
-
-def _incompatibilities(offered: QoSProfile, asked: QoSProfile) -> list[str]:
-    found = []
-    if offered.reliability.short_key == "best_effort" and asked.reliability.short_key == "reliable":
-        found.append("Best effort publisher and reliable subscription")
-    if (
-        offered.durability == DurabilityPolicy.VOLATILE
-        and asked.durability == DurabilityPolicy.TRANSIENT_LOCAL
-    ):
-        found.append("Volatile publisher and transient local subscription")
-    if asked.deadline.nanoseconds and not offered.deadline.nanoseconds:
-        found.append("Subscription has a deadline, but publisher does not")
-    elif asked.deadline.nanoseconds and asked.deadline < offered.deadline:
-        found.append("Subscription deadline is less than publisher deadline")
-    if (
-        offered.liveliness == LivelinessPolicy.AUTOMATIC
-        and asked.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
-    ):
-        found.append("Publisher's liveliness is automatic and subscription's is manual by topic")
-    asked_lease, offered_lease = asked.liveliness_lease_duration, offered.liveliness_lease_duration
-    if asked_lease.nanoseconds and not offered_lease.nanoseconds:
-        found.append("Subscription has a liveliness lease duration, but publisher does not")
-    elif asked_lease.nanoseconds and asked_lease < offered_lease:
-        found.append("Subscription liveliness lease duration is less than publisher")
-    return found
-
-
-def _possible_incompatibilities(offered: QoSProfile, asked: QoSProfile) -> list[str]:
-    """What may go wrong where a side leaves a policy to the system."""
-    found = []
-    for policy, name, demanding, lenient, demand, offer in (
-        # rmw misspells one of the names.
-        (
-            "reliability",
-            "reliability",
-            "reliable",
-            "best_effort",
-            "Reliable subscription, but publisher is",
-            "Best effort publisher, but subscription is",
-        ),
-        (
-            "durability",
-            "durabilty",
-            "transient_local",
-            "volatile",
-            "Transient local subscription, but publisher is",
-            "Volatile publisher, but subscription is",
-        ),
-        (
-            "liveliness",
-            "liveliness",
-            "manual_by_topic",
-            "automatic",
-            "Subscription's liveliness is manual by topic, but publisher's is",
-            "Publisher's liveliness is automatic, but subscription's is",
-        ),
-    ):
-        given = getattr(offered, policy).short_key
-        wanted = getattr(asked, policy).short_key
-        given_is_open = given in ("system_default", "unknown")
-        wanted_is_open = wanted in ("system_default", "unknown")
-        if given_is_open and wanted_is_open:
-            found.append(f"Publisher {name} is {given} and subscription {policy} is {wanted}")
-        elif given_is_open and wanted == demanding:
-            found.append(f"{demand} {given}")
-        elif wanted_is_open and given == lenient:
-            found.append(f"{offer} {wanted}")
-    return found

@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Any
 
 from embedded_ros.cdr import ENCAPSULATION, codec
+from embedded_ros.endpoint_events import EndpointEvents
 from embedded_ros.endpoints import Reader
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import InvalidHandle
@@ -38,6 +39,8 @@ class Subscription:
     ) -> None:
         self._reader = reader
         self._topic_name = topic_name
+        #: Callbacks for events, watched by executors; set by the node.
+        self._events: EndpointEvents | None = None
         self._deserialize = codec(msg_type._ros_type).read
         self.msg_type = msg_type
         self.topic = topic

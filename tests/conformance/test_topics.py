@@ -1,11 +1,9 @@
 """Publishers and subscriptions."""
 
-import threading
-
 import pytest
 from rclpy._rclpy_pybind11 import RCLError
+from rclpy.duration import Duration
 from rclpy.exceptions import InvalidHandle, InvalidTopicNameException
-from rclpy.node import Node
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -14,15 +12,10 @@ from rclpy.qos import (
     qos_profile_sensor_data,
 )
 from rclpy.serialization import serialize_message
-from rclpy.wait_for_message import wait_for_message
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger
-
-
-@pytest.fixture
-def node(ros):
-    return ros.create(Node, "n")
 
 
 def test_a_message_arrives_as_it_was_sent(ros, node):
@@ -69,7 +62,7 @@ def test_a_late_subscription_gets_what_a_transient_local_publisher_keeps(ros, no
     publisher = node.create_publisher(Float64, "kept", profile)
     for value in range(5):
         publisher.publish(Float64(data=float(value)))
-    late = ros.create(Node, "late")
+    late = ros.node("late")
     received = []
     late.create_subscription(Float64, "kept", lambda msg: received.append(msg.data), profile)
     ros.spin_until(lambda: len(received) == 3)
@@ -144,20 +137,119 @@ def test_after_shutdown_nothing_is_published(ros, node):
         node.create_publisher(Float64, "x", 1)
 
 
-def test_one_message_can_be_waited_for(ros):
-    sender, waiter = Node("sender", context=ros.context), Node("waiter", context=ros.context)
-    profile = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    sender.create_publisher(String, "s", profile).publish(String(data="x"))
-    found = wait_for_message(String, waiter, "s", qos_profile=profile, time_to_wait=5)
-    assert found == (True, String(data="x"))
-    assert wait_for_message(String, waiter, "none", time_to_wait=0.01) == (False, None)
-    sender.destroy_node()
-    waiter.destroy_node()
+def test_endpoints_tell_their_properties(node):
+    profile = QoSProfile(depth=3)
+    publisher = node.create_publisher(Float64, "x", profile)
+    subscription = node.create_subscription(Float64, "x", print, profile)
+    for endpoint in (publisher, subscription):
+        assert endpoint.msg_type is Float64
+        assert endpoint.topic == "x"
+        assert endpoint.topic_name == "/x"
+        assert endpoint.qos_profile == profile
+    assert publisher in list(node.publishers)
+    assert list(node.subscriptions) == [subscription]
+    assert subscription.callback is print
+    assert not subscription.raw
 
 
-def test_waiting_for_a_message_ends_with_the_context(ros):
-    # rclpy 7.1 goes on waiting here, unless the context was shut down by a signal.
-    waiter = Node("waiter", context=ros.context)
-    threading.Timer(0.05, ros.context.try_shutdown).start()
-    assert wait_for_message(String, waiter, "none") == (False, None)
-    waiter.destroy_node()
+def test_the_callback_can_be_replaced(ros, node):
+    first, second = [], []
+    subscription = node.create_subscription(Float64, "x", first.append, 10)
+    publisher = node.create_publisher(Float64, "x", 10)
+    publisher.publish(Float64())
+    ros.spin_until(lambda: first)
+    subscription.callback = lambda message, info: second.append((message, info))
+    publisher.publish(Float64())
+    ros.spin_until(lambda: second)
+    assert len(first) == 1
+    assert Subscription.CallbackType.WithMessageInfo.value == 1
+
+
+def test_a_method_and_a_coroutine_are_callbacks(ros, node):
+    received = []
+
+    class Listener:
+        def listen(self, message):
+            received.append(message.data)
+
+    async def listen(message):
+        received.append(message.data)
+
+    node.create_subscription(Float64, "x", Listener().listen, 10)
+    node.create_subscription(Float64, "x", listen, 10)
+    node.create_publisher(Float64, "x", 10).publish(Float64(data=2.0))
+    ros.spin_until(lambda: len(received) == 2)
+    assert received == [2.0, 2.0]
+
+
+def test_keep_last_keeps_the_last(ros, node):
+    received = []
+    node.create_subscription(Float64, "x", lambda message: received.append(message.data), 2)
+    publisher = node.create_publisher(Float64, "x", 10)
+    for value in range(5):
+        publisher.publish(Float64(data=float(value)))
+    ros.spin_until(lambda: len(received) == 2)
+    ros.spin_for(0.02)
+    assert received == [3.0, 4.0]
+
+
+def test_a_volatile_subscription_gets_nothing_old(ros, node):
+    publisher = node.create_publisher(Float64, "x", 10)
+    publisher.publish(Float64(data=1.0))
+    received = []
+    node.create_subscription(Float64, "x", lambda message: received.append(message.data), 10)
+    publisher.publish(Float64(data=2.0))
+    ros.spin_until(lambda: received)
+    assert received == [2.0]
+
+
+def test_every_subscription_gets_every_message(ros, node):
+    received = {0: [], 1: [], 2: []}
+    for values in received.values():
+        node.create_subscription(Float64, "x", values.append, 10)
+    publisher = node.create_publisher(Float64, "x", 10)
+    assert publisher.get_subscription_count() == 3
+    publisher.publish(Float64(data=1.0))
+    ros.spin_until(lambda: all(received.values()))
+    assert all(values == [Float64(data=1.0)] for values in received.values())
+
+
+def test_raw_and_information_together(ros, node):
+    received = []
+    node.create_subscription(
+        String, "s", lambda payload, info: received.append((payload, info)), 10, raw=True
+    )
+    node.create_publisher(String, "s", 10).publish(String(data="x"))
+    ros.spin_until(lambda: received)
+    payload, info = received[0]
+    assert isinstance(payload, bytes)
+    assert {"source_timestamp", "received_timestamp"} <= info.keys()
+
+
+def test_nothing_is_to_be_acknowledged_by_nobody(node):
+    publisher = node.create_publisher(Float64, "x", 10)
+    publisher.publish(Float64())
+    assert publisher.wait_for_all_acked(Duration(seconds=1))
+    publisher.assert_liveliness()
+
+
+def test_a_destroyed_subscription_hears_nothing(ros, node):
+    received = []
+    subscription = node.create_subscription(Float64, "x", received.append, 10)
+    publisher = node.create_publisher(Float64, "x", 10)
+    publisher.publish(Float64())
+    assert node.destroy_subscription(subscription)
+    assert not node.destroy_subscription(subscription)
+    ros.spin_for(0.02)
+    assert received == []
+    assert publisher.get_subscription_count() == 0
+    with pytest.raises(InvalidHandle):
+        subscription.get_publisher_count()
+
+
+def test_a_depth_is_a_profile(node):
+    profile = node.create_publisher(Float64, "x", 7).qos_profile
+    assert profile == QoSProfile(depth=7)
+    assert profile.reliability == ReliabilityPolicy.RELIABLE
+    assert profile.durability == DurabilityPolicy.VOLATILE
+    assert profile.history == HistoryPolicy.KEEP_LAST

@@ -1,10 +1,9 @@
-"""Executors, tasks, coroutines, callback groups."""
+"""Executors: what they run, in which order, and how they end."""
 
 import threading
 import time
 
 import pytest
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.executors import (
     ExternalShutdownException,
     MultiThreadedExecutor,
@@ -13,11 +12,6 @@ from rclpy.executors import (
 from rclpy.node import Node
 from rclpy.task import Future
 from std_msgs.msg import Float64
-
-
-@pytest.fixture
-def node(ros):
-    return ros.create(Node, "n")
 
 
 def boom(*_):
@@ -67,89 +61,6 @@ def test_what_a_callback_raises_comes_out_of_spin(ros, node):
     node.create_guard_condition(lambda: calls.append(1)).trigger()
     ros.executor.spin_once(timeout_sec=1)
     assert calls
-
-
-def test_tasks_give_results_and_exceptions(ros, node):
-    task = ros.executor.create_task(lambda x, y: x + y, 1, y=2)
-    assert ros.result(task) == 3
-    failing = ros.executor.create_task(boom)
-    with pytest.raises(ValueError, match="boom"):
-        ros.executor.spin_until_future_complete(failing, 1)
-    assert isinstance(failing.exception(), ValueError)
-
-
-def test_coroutines_wait_for_futures_without_spinning_idly(ros, node):
-    future = Future()
-    steps = []
-
-    async def wait():
-        steps.append("waits")
-        steps.append(await future)
-        return "done"
-
-    task = ros.executor.create_task(wait)
-    ros.executor.spin_once(timeout_sec=1)
-    cpu = time.process_time()
-    ros.executor.spin_once(timeout_sec=0.2)
-    assert time.process_time() - cpu < 0.05
-    assert steps == ["waits"]
-    threading.Timer(0.02, future.set_result, ["set"]).start()
-    assert ros.result(task) == "done"
-    assert steps == ["waits", "set"]
-
-
-def test_a_suspended_callback_holds_its_group(ros, node):
-    future = Future()
-    order = []
-
-    async def suspended():
-        order.append("begins")
-        await future
-        order.append("ends")
-
-    node.create_guard_condition(suspended).trigger()
-    ros.executor.spin_once(timeout_sec=1)
-    node.create_guard_condition(lambda: order.append("same group")).trigger()
-    other_group = MutuallyExclusiveCallbackGroup()
-    node.create_guard_condition(lambda: order.append("other group"), other_group).trigger()
-    cpu = time.process_time()
-    ros.spin_for(0.1)
-    assert time.process_time() - cpu < 0.05
-    assert order == ["begins", "other group"]
-    future.set_result(None)
-    ros.spin_until(lambda: len(order) == 4)
-    assert order[2:] == ["ends", "same group"]
-
-
-def test_a_coroutine_that_only_yields_lets_others_run(ros, node):
-    calls = []
-
-    class Pause:
-        def __await__(self):
-            yield
-
-    async def forever():
-        while len(calls) < 3:
-            await Pause()
-
-    task = ros.executor.create_task(forever)
-    node.create_timer(0.005, lambda: calls.append(1))
-    ros.spin_until(task.done)
-
-
-def test_a_future_calls_back_when_it_is_done():
-    future, seen = Future(), []
-    future.add_done_callback(seen.append)
-    assert not future.done()
-    assert future.result() is None
-    future.set_result(5)
-    future.add_done_callback(seen.append)
-    assert seen == [future, future]
-    assert future.result() == 5
-    cancelled = Future()
-    cancelled.cancel()
-    assert cancelled.cancelled()
-    assert not cancelled.done()
 
 
 def test_spin_until_a_future_is_done_in_another_thread(ros, node):
@@ -215,36 +126,6 @@ def test_shutdown_in_a_callback_ends_spin_quietly(ros, node):
     ros.executor.spin()
 
 
-def test_groups_decide_what_runs_at_the_same_time(ros):
-    node = Node("n", context=ros.context)
-    executor = MultiThreadedExecutor(4, context=ros.context)
-    executor.add_node(node)
-    running, most = [], {}
-
-    def work(kind):
-        running.append(kind)
-        most[kind] = max(most.get(kind, 0), running.count(kind))
-        time.sleep(0.02)  # that is the work
-        running.remove(kind)
-
-    done = []
-    for kind, group in (
-        ("reentrant", ReentrantCallbackGroup()),
-        ("exclusive", MutuallyExclusiveCallbackGroup()),
-    ):
-        for _ in range(3):
-            guard = node.create_guard_condition(lambda k=kind: (work(k), done.append(k)), group)
-            guard.trigger()
-    end = time.monotonic() + 10
-    while len(done) < 6 and time.monotonic() < end:
-        executor.spin_once(timeout_sec=0.05)
-    assert len(done) == 6
-    assert most["exclusive"] == 1
-    assert most["reentrant"] > 1
-    executor.shutdown()
-    node.destroy_node()
-
-
 def test_a_multi_threaded_executor_raises_what_a_callback_raised(ros):
     node = Node("n", context=ros.context)
     executor = MultiThreadedExecutor(2, context=ros.context)
@@ -262,6 +143,102 @@ def test_an_idle_executor_uses_no_processor_time(ros, node):
     assert time.process_time() - cpu < 0.02
 
 
-def test_a_future_cannot_be_subscripted_at_run_time_as_in_rclpy():
-    with pytest.raises(TypeError, match="type 'Future' is not subscriptable"):
-        Future[int]
+@pytest.mark.parametrize("executor_class", [SingleThreadedExecutor, MultiThreadedExecutor])
+def test_a_node_belongs_to_one_executor(ros, executor_class):
+    node = Node("other", context=ros.context)
+    first = SingleThreadedExecutor(context=ros.context)
+    second = executor_class(context=ros.context)
+    assert node.executor is None
+    assert first.add_node(node)
+    node.executor = second
+    assert first.get_nodes() == []
+    assert second.get_nodes() == [node]
+    node.executor = None
+    assert second.get_nodes() == []
+    assert second.context is ros.context
+    first.shutdown()
+    second.shutdown()
+    node.destroy_node()
+
+
+def test_entities_are_served_by_kind(ros, node):
+    order = []
+    publisher = node.create_publisher(Float64, "x", 1)
+    node.create_guard_condition(lambda: order.append("guard condition")).trigger()
+    node.create_subscription(Float64, "x", lambda _: order.append("subscription"), 1)
+    publisher.publish(Float64())
+    timer = node.create_timer(0.0, lambda: (order.append("timer"), timer.cancel()))
+    ros.spin_until(lambda: len(order) == 3)
+    assert order == ["timer", "subscription", "guard condition"]
+
+
+def test_a_guard_condition_triggered_twice_calls_once(ros, node):
+    calls = []
+    guard = node.create_guard_condition(lambda: calls.append(1))
+    guard.trigger()
+    guard.trigger()
+    ros.spin_for(0.02)
+    assert calls == [1]
+    assert list(node.guards) == [guard]
+    assert node.destroy_guard_condition(guard)
+    assert not node.destroy_guard_condition(guard)
+
+
+def test_a_callback_may_create_what_runs_next(ros, node):
+    calls = []
+
+    def create():
+        node.create_guard_condition(lambda: calls.append(1)).trigger()
+
+    node.create_guard_condition(create).trigger()
+    ros.spin_until(lambda: calls)
+
+
+def test_a_callback_may_add_and_remove_nodes(ros, node):
+    other = Node("other", context=ros.context)
+    calls = []
+    other.create_guard_condition(lambda: (calls.append(1), swap(node, other))).trigger()
+
+    def swap(come, go):
+        ros.executor.remove_node(go)
+        ros.executor.add_node(come)
+
+    node.create_guard_condition(lambda: swap(other, node)).trigger()
+    ros.spin_until(lambda: calls)
+    assert ros.executor.get_nodes() == [node]
+    other.destroy_node()
+
+
+def test_a_multi_threaded_executor_runs_many_callbacks(ros):
+    node = Node("n", context=ros.context)
+    executor = MultiThreadedExecutor(3, context=ros.context)
+    executor.add_node(node)
+    threads = set()
+    received = []
+
+    def receive(message):
+        threads.add(threading.current_thread())
+        received.append(message.data)
+
+    node.create_subscription(Float64, "x", receive, 100)
+    publisher = node.create_publisher(Float64, "x", 100)
+    for value in range(50):
+        publisher.publish(Float64(data=float(value)))
+    end = time.monotonic() + 10
+    while len(received) < 50 and time.monotonic() < end:
+        executor.spin_once(timeout_sec=0.1)
+    assert received == list(range(50))
+    assert threading.main_thread() not in threads
+    executor.shutdown()
+    node.destroy_node()
+
+
+def test_one_thread_is_too_few_for_a_multi_threaded_executor(ros):
+    with pytest.warns(UserWarning, match="single thread"):
+        MultiThreadedExecutor(1, context=ros.context).shutdown()
+
+
+def test_a_context_manager_shuts_the_executor_down(ros):
+    with SingleThreadedExecutor(context=ros.context) as executor:
+        executor.spin_once(timeout_sec=0)
+    executor.spin()  # returns at once

@@ -1,4 +1,4 @@
-"""Services, and the parameter services through their client."""
+"""Services and clients."""
 
 import subprocess
 import sys
@@ -10,15 +10,9 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.exceptions import InvalidHandle, InvalidServiceNameException
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
-from rclpy.parameter import Parameter
-from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import QoSProfile
 from std_msgs.msg import String
-from std_srvs.srv import SetBool, Trigger
-
-
-@pytest.fixture
-def node(ros):
-    return ros.create(Node, "n")
+from std_srvs.srv import Empty, SetBool, Trigger
 
 
 def answer(request, response):
@@ -37,7 +31,7 @@ def test_a_request_is_answered(ros, node):
 
 def test_answers_find_the_client_and_call_they_belong_to(ros, node):
     node.create_service(SetBool, "flag", answer)
-    clients = [ros.create(Node, name).create_client(SetBool, "flag") for name in ("a", "b")]
+    clients = [ros.node(name).create_client(SetBool, "flag") for name in ("a", "b")]
     assert all(client.wait_for_service(5.0) for client in clients)
     calls = [
         (flag, client.call_async(SetBool.Request(data=flag)))
@@ -69,7 +63,7 @@ def test_waiting_ends_when_the_server_appears_or_time_is_over(ros, node):
     client = node.create_client(Trigger, "later")
     assert not client.service_is_ready()
     assert not client.wait_for_service(0.02)
-    other = ros.create(Node, "other")
+    other = ros.node("other")
     threading.Timer(
         0.05, lambda: other.create_service(Trigger, "later", lambda _, reply: reply)
     ).start()
@@ -170,47 +164,91 @@ def test_a_callback_that_returns_no_response_is_an_error_of_spin(ros, node):
         ros.spin_until(lambda: False, 5.0)
 
 
-@pytest.fixture
-def parameters(ros, node):
-    node.declare_parameters("", [("gain", 1.0), ("names", ["a", "b"])])
-    client = AsyncParameterClient(ros.create(Node, "asking"), "/n")
-    assert client.wait_for_services(5.0)
-    return client
+def test_clients_and_services_tell_their_properties(node):
+    profile = QoSProfile(depth=3)
+    service = node.create_service(SetBool, "flag", answer, qos_profile=profile)
+    client = node.create_client(SetBool, "flag", qos_profile=profile)
+    for entity in (service, client):
+        assert entity.srv_type is SetBool
+        assert entity.srv_name == "flag"
+        assert entity.service_name == "/flag"
+        assert entity.qos_profile == profile
+    assert service.callback is answer
+    assert service in list(node.services)
+    assert list(node.clients) == [client]
 
 
-def test_remote_parameters_are_read(ros, parameters):
-    values = ros.result(parameters.get_parameters(["gain", "names"])).values
-    assert values[0].double_value == 1.0
-    assert values[1].string_array_value == ["a", "b"]
-    assert ros.result(parameters.get_parameters(["gain", "nothing"])).values == []
-    assert list(ros.result(parameters.get_parameter_types(["gain"])).types) == [3]
-    assert ros.result(parameters.describe_parameters(["gain"])).descriptors[0].name == "gain"
-    names = ros.result(parameters.list_parameters()).result.names
-    assert names == ["use_sim_time", "start_type_description_service", "gain", "names"]
+def test_a_service_without_fields(ros, node):
+    calls = []
+
+    def callback(request, response):
+        calls.append(request)
+        return response
+
+    node.create_service(Empty, "empty", callback)
+    client = node.create_client(Empty, "empty")
+    assert client.wait_for_service(5.0)
+    assert ros.result(client.call_async(Empty.Request())) == Empty.Response()
+    assert calls == [Empty.Request()]
 
 
-def test_remote_parameters_are_set(ros, node, parameters):
-    both = [Parameter("gain", value=2.5), Parameter("gain", value="x")]
-    results = ros.result(parameters.set_parameters(both)).results
-    assert [result.successful for result in results] == [True, False]
-    assert "Wrong parameter type" in results[1].reason
-    assert node.get_parameter("gain").value == 2.5
-    result = ros.result(parameters.set_parameters_atomically(both)).result
-    assert not result.successful
-    missing = ros.result(parameters.set_parameters([Parameter("nothing", value=1)])).results[0]
-    # The name is missing in rclpy's answer, too.
-    assert missing.reason == "Invalid access to undeclared parameter(s): []"
+def test_a_forgotten_request_is_never_answered(ros, node):
+    node.create_service(SetBool, "flag", answer)
+    client = node.create_client(SetBool, "flag")
+    assert client.wait_for_service(5.0)
+    forgotten, wanted = (client.call_async(SetBool.Request(data=True)) for _ in range(2))
+    client.remove_pending_request(forgotten)
+    client.remove_pending_request(forgotten)
+    assert ros.result(wanted).success
+    assert not forgotten.done()
 
 
-def test_a_parameter_file_is_sent(ros, node, parameters, tmp_path):
-    path = tmp_path / "p.yaml"
-    path.write_text("n: {ros__parameters: {gain: 4.5, names: [c]}}")
-    ros.result(parameters.load_parameter_file(str(path)))
-    assert node.get_parameter("gain").value == 4.5
-    assert node.get_parameter("names").value == ["c"]
+def test_done_callbacks_get_the_future(ros, node):
+    node.create_service(SetBool, "flag", answer)
+    client = node.create_client(SetBool, "flag")
+    assert client.wait_for_service(5.0)
+    seen = []
+    future = client.call_async(SetBool.Request(data=True))
+    future.add_done_callback(seen.append)
+    ros.spin_until(lambda: seen)
+    assert seen == [future]
+    assert future.result().success
 
 
-def test_arrays_arrive_as_arrays(ros, node, parameters):
-    node.declare_parameter("values", [1.0])
-    ros.result(parameters.set_parameters([Parameter("values", value=[1.5, 2.5])]))
-    assert list(node.get_parameter("values").value) == [1.5, 2.5]
+def test_a_cancelled_call_is_forgotten(ros, node):
+    node.create_service(SetBool, "flag", answer)
+    client = node.create_client(SetBool, "flag")
+    assert client.wait_for_service(5.0)
+    future = client.call_async(SetBool.Request())
+    future.cancel()
+    with pytest.raises(KeyError):
+        client.get_pending_request(1)
+    ros.spin_for(0.02)
+    assert future.cancelled()
+
+
+def test_destroyed_entities_are_gone(ros, node):
+    service = node.create_service(SetBool, "flag", answer)
+    client = node.create_client(SetBool, "flag")
+    assert client.wait_for_service(5.0)
+    assert node.destroy_service(service)
+    assert not node.destroy_service(service)
+    ros.wait_until(lambda: not client.service_is_ready())
+    assert node.destroy_client(client)
+    assert not node.destroy_client(client)
+    with pytest.raises(InvalidHandle):
+        client.wait_for_service(0.01)
+
+
+def test_a_call_blocks_in_another_thread(ros, node):
+    node.create_service(SetBool, "flag", answer)
+    client = node.create_client(SetBool, "flag")
+    assert client.wait_for_service(5.0)
+    responses = []
+    caller = threading.Thread(
+        target=lambda: responses.append(client.call(SetBool.Request(data=True)))
+    )
+    caller.start()
+    ros.spin_until(lambda: responses)
+    caller.join(5)
+    assert responses[0].message == "yes"

@@ -1,6 +1,7 @@
 """Names: what is valid, how it expands. Texts and positions are those of Jazzy."""
 
 import pytest
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.exceptions import (
     InvalidNamespaceException,
     InvalidNodeNameException,
@@ -13,6 +14,7 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 from rclpy.validate_namespace import validate_namespace
 from rclpy.validate_node_name import validate_node_name
 from rclpy.validate_topic_name import validate_topic_name
+from std_msgs.msg import Float64
 
 
 @pytest.mark.parametrize(
@@ -27,6 +29,22 @@ from rclpy.validate_topic_name import validate_topic_name
 )
 def test_expansion(name, expected):
     assert expand_topic_name(name, "node", "/ns") == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "node", "namespace", "text"),
+    [
+        ("a b", "node", "/", "topic name 'a b' is invalid: topic name must not contain"),
+        ("", "node", "/", "must not be empty"),
+        ("{what}", "node", "/", "unknown substitution: {what}"),
+        ("x", "a b", "/", "node name 'a b' is invalid"),
+        ("x", "node", "ns", "node namespace 'ns' is invalid: namespace must be absolute"),
+    ],
+)
+def test_names_that_do_not_expand(name, node, namespace, text):
+    with pytest.raises(ValueError) as error:  # noqa: PT011 - the text is looked at below
+        expand_topic_name(name, node, namespace)
+    assert text in str(error.value)
 
 
 def test_expansion_in_the_root_namespace():
@@ -77,3 +95,31 @@ def test_valid_namespaces(name):
 def test_hidden_names():
     assert topic_or_service_is_hidden("/a/_b")
     assert not topic_or_service_is_hidden("/a/b_")
+
+
+def test_topics_expand_in_the_nodes_namespace(ros):
+    node = ros.node("n", namespace="/ns")
+    names = {"x": "/ns/x", "/x": "/x", "~/x": "/ns/n/x", "{node}/x": "/ns/n/x", "{ns}/x": "/ns/x"}
+    for given, expected in names.items():
+        assert node.resolve_topic_name(given) == expected
+        assert node.resolve_service_name(given) == expected
+        assert node.create_publisher(Float64, given, 1).topic_name == expected
+    with pytest.raises(RCLError, match="failed to resolve name: topic name must not contain"):
+        node.resolve_topic_name("a b")
+
+
+@pytest.mark.parametrize(
+    ("namespace", "expected"), [(None, "/"), ("", "/"), ("a", "/a"), ("/a/b", "/a/b")]
+)
+def test_namespaces_are_absolute(ros, namespace, expected):
+    node = ros.node("n", namespace=namespace)
+    assert node.get_namespace() == expected
+    assert node.get_name() == "n"
+    assert node.get_fully_qualified_name() == f"{expected.rstrip('/')}/n"
+
+
+def test_nodes_with_invalid_names_are_not_made(ros):
+    with pytest.raises(InvalidNodeNameException):
+        ros.node("a b")
+    with pytest.raises(InvalidNamespaceException):
+        ros.node("n", namespace="a b")

@@ -1,0 +1,144 @@
+"""Callbacks for what happens to publishers and subscriptions besides messages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from embedded_ros import endpoint_events
+from embedded_ros.endpoint_events import IncompatibleQoS as QoSRequestedIncompatibleQoSInfo
+from embedded_ros.endpoint_events import LivelinessChanged as QoSLivelinessChangedInfo
+from embedded_ros.endpoint_events import LivelinessLost as QoSLivelinessLostInfo
+from embedded_ros.endpoint_events import Matched as QoSPublisherMatchedInfo
+from embedded_ros.endpoint_events import MessageLost as QoSMessageLostInfo
+from embedded_ros.endpoint_events import OfferedDeadlineMissed as QoSOfferedDeadlineMissedInfo
+from embedded_ros.endpoint_events import RequestedDeadlineMissed as QoSRequestedDeadlineMissedInfo
+from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.qos import qos_policy_name_from_kind
+
+__all__ = [
+    "PublisherEventCallbacks",
+    "QoSLivelinessChangedInfo",
+    "QoSLivelinessLostInfo",
+    "QoSMessageLostInfo",
+    "QoSOfferedDeadlineMissedInfo",
+    "QoSOfferedIncompatibleQoSInfo",
+    "QoSPublisherMatchedInfo",
+    "QoSRequestedDeadlineMissedInfo",
+    "QoSRequestedIncompatibleQoSInfo",
+    "QoSSubscriptionMatchedInfo",
+    "SubscriptionEventCallbacks",
+]
+
+QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
+QoSSubscriptionMatchedInfo = QoSPublisherMatchedInfo
+
+_Callbacks = dict[endpoint_events.Status, Callable[[Any], Any]]
+
+
+class SubscriptionEventCallbacks:
+    """Callbacks for events of a subscription.
+
+    Parameters
+    ----------
+    deadline : callable, optional
+        No message came within the requested deadline.
+    incompatible_qos : callable, optional
+        A publisher with incompatible QoS was found; by default a warning is logged.
+    liveliness : callable, optional
+        The liveliness of a publisher changed.
+    message_lost : callable, optional
+    matched : callable, optional
+        A publisher was found or went away.
+    use_default_callbacks : bool
+    """
+
+    def __init__(
+        self,
+        *,
+        deadline: Callable[[QoSRequestedDeadlineMissedInfo], Any] | None = None,
+        incompatible_qos: Callable[[QoSRequestedIncompatibleQoSInfo], Any] | None = None,
+        liveliness: Callable[[QoSLivelinessChangedInfo], Any] | None = None,
+        message_lost: Callable[[QoSMessageLostInfo], Any] | None = None,
+        matched: Callable[[QoSSubscriptionMatchedInfo], Any] | None = None,
+        use_default_callbacks: bool = True,
+    ) -> None:
+        self.deadline = deadline
+        self.incompatible_qos = incompatible_qos
+        self.liveliness = liveliness
+        self.message_lost = message_lost
+        self.matched = matched
+        self.use_default_callbacks = use_default_callbacks
+
+    def _by_status(self, logger: RcutilsLogger, topic_name: str) -> _Callbacks:
+        def warn(event: QoSRequestedIncompatibleQoSInfo) -> None:
+            logger.warning(
+                f"New publisher discovered on topic '{topic_name}', offering incompatible QoS. "
+                "No messages will be received from it. "
+                f"Last incompatible policy: {qos_policy_name_from_kind(event.last_policy_kind)}"
+            )
+
+        default = warn if self.use_default_callbacks else None
+        return _given(
+            {
+                endpoint_events.REQUESTED_DEADLINE_MISSED: self.deadline,
+                endpoint_events.REQUESTED_INCOMPATIBLE_QOS: self.incompatible_qos or default,
+                endpoint_events.LIVELINESS_CHANGED: self.liveliness,
+                endpoint_events.MESSAGE_LOST: self.message_lost,
+                endpoint_events.SUBSCRIPTION_MATCHED: self.matched,
+            }
+        )
+
+
+class PublisherEventCallbacks:
+    """Callbacks for events of a publisher.
+
+    Parameters
+    ----------
+    deadline : callable, optional
+        Nothing was published within the offered deadline.
+    liveliness : callable, optional
+        The publisher did not assert its liveliness in time.
+    incompatible_qos : callable, optional
+        A subscription with incompatible QoS was found; by default a warning is logged.
+    matched : callable, optional
+        A subscription was found or went away.
+    use_default_callbacks : bool
+    """
+
+    def __init__(
+        self,
+        *,
+        deadline: Callable[[QoSOfferedDeadlineMissedInfo], Any] | None = None,
+        liveliness: Callable[[QoSLivelinessLostInfo], Any] | None = None,
+        incompatible_qos: Callable[[QoSOfferedIncompatibleQoSInfo], Any] | None = None,
+        matched: Callable[[QoSPublisherMatchedInfo], Any] | None = None,
+        use_default_callbacks: bool = True,
+    ) -> None:
+        self.deadline = deadline
+        self.liveliness = liveliness
+        self.incompatible_qos = incompatible_qos
+        self.matched = matched
+        self.use_default_callbacks = use_default_callbacks
+
+    def _by_status(self, logger: RcutilsLogger, topic_name: str) -> _Callbacks:
+        def warn(event: QoSOfferedIncompatibleQoSInfo) -> None:
+            logger.warning(
+                f"New subscription discovered on topic '{topic_name}', "
+                "requesting incompatible QoS. No messages will be sent to it. "
+                f"Last incompatible policy: {qos_policy_name_from_kind(event.last_policy_kind)}"
+            )
+
+        default = warn if self.use_default_callbacks else None
+        return _given(
+            {
+                endpoint_events.OFFERED_DEADLINE_MISSED: self.deadline,
+                endpoint_events.LIVELINESS_LOST: self.liveliness,
+                endpoint_events.OFFERED_INCOMPATIBLE_QOS: self.incompatible_qos or default,
+                endpoint_events.PUBLICATION_MATCHED: self.matched,
+            }
+        )
+
+
+def _given(callbacks: dict[endpoint_events.Status, Callable[[Any], Any] | None]) -> _Callbacks:
+    return {status: callback for status, callback in callbacks.items() if callback is not None}
