@@ -87,12 +87,12 @@ def simulate_with_twin(
     twin = _Twin(scenario, settings or InverseFilterSettings(sampling_rate=rate), delay)
 
     tolerances = inputs.tolerances.copy()
+    stamps = np.rint(np.arange(scenario.control_steps) * hold * 1e9 / rate).astype(np.int64)
     batch = max(round(telemetry_period * sampling.control_rate), 1)
     for first in range(0, scenario.control_steps, batch):
         steps = slice(first, min(first + batch, scenario.control_steps))
         samples = slice(steps.start * hold, steps.stop * hold)
-        stamps = [round(k * hold * 1e9 / rate) for k in range(steps.start, steps.stop)]
-        tolerances[steps] = twin.dead_zones(stamps, tolerances[steps])
+        twin.set_dead_zones(stamps[steps], tolerances[steps])
         stretch = LoopInputs(
             inputs.references[steps],
             tolerances[steps],
@@ -127,24 +127,24 @@ class _Twin:
         self.estimate_times: list[float] = []
         self.estimates: list[float] = []
 
-    def dead_zones(self, stamps: list[int], before: FloatArray) -> FloatArray:
-        """Return the tolerances in force at the next measurements [m].
+    def set_dead_zones(self, stamps: NDArray[np.int64], tolerances: FloatArray) -> None:
+        """Set the tolerances in force at the next measurements.
 
         Parameters
         ----------
-        stamps : list of int
+        stamps : ndarray, shape (n,)
             Times of the measurements [ns].
-        before : ndarray, shape (len(stamps),)
-            Tolerances without the twin [m].
+        tolerances : ndarray, shape (n,)
+            Tolerances without the twin [m]; overwritten from the first reconfiguration on.
         """
-        tolerances = before.copy()
-        for k, stamp in enumerate(stamps):
-            arrived = self._link.deliver(stamp)
+        if self._in_force is not None:
+            tolerances[:] = self._in_force
+        while (due := self._link.next_due()) is not None and due <= stamps[-1]:
+            first = int(np.searchsorted(stamps, due))
+            arrived = self._link.deliver(int(stamps[first]))
             if arrived is not None:
                 self._in_force = arrived.tolerance
-            if self._in_force is not None:
-                tolerances[k] = self._in_force
-        return tolerances
+                tolerances[first:] = self._in_force
 
     def take_telemetry(self, newest: float, voltage: FloatArray, position: FloatArray) -> None:
         """Estimate from a batch whose last sample has the time `newest` [s], and send (eq. 9)."""
