@@ -14,8 +14,11 @@ from hypothesis import strategies as st
 
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_twin import compilation
 from bdt_twin.angle_observer import AngleObserver
+from bdt_twin.contact import compiled_sums
 from bdt_twin.inverse_filter import STRETCH, InverseFilterEstimator, InverseFilterSettings
+from bdt_twin.recursion import compiled_recursion, filter_side_by_side
 
 RATE = 5000
 ROUNDING = 0.1
@@ -276,3 +279,20 @@ def test_the_defaults_are_those_of_the_paper():
     assert chosen.velocity_threshold == 0.1
     assert chosen.delay == 2
     assert chosen.rounding == 0.1
+
+
+@pytest.fixture
+def without_numba(monkeypatch):
+    monkeypatch.setattr(compilation, "find_spec", lambda _: None)
+    compiled = (compiled_sums, compiled_recursion)
+    for loop in compiled:
+        loop.cache_clear()
+    yield
+    for loop in compiled:
+        loop.cache_clear()
+
+
+@pytest.mark.usefixtures("without_numba")
+def test_without_numba_the_estimates_are_the_same_exactly(recording, whole):
+    assert compiled_recursion() is filter_side_by_side
+    assert estimate(*recording, QUICK) == whole

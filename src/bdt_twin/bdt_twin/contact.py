@@ -5,7 +5,6 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
 from bdt_twin.compilation import GIVEN, compile_loop
@@ -128,6 +127,5 @@ def gap_from_sums(sums: ContactSums, rounding: float) -> float | None:
 @cache
 def compiled_sums() -> Any:
     """Return :func:`add_contacts` compiled."""
-    sums = types.Array(types.int64, 2, "C")
-    signature = types.void(GIVEN, GIVEN, types.float64, types.float64, types.int64, sums)
-    return compile_loop(add_contacts, signature)
+    numbers = "float64, float64, int64, Array(int64, 2, 'C')"
+    return compile_loop(add_contacts, f"void({GIVEN}, {GIVEN}, {numbers})")

@@ -9,10 +9,9 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
-from bdt_twin.compilation import GIVEN, WRITTEN, compile_loop, numbers
+from bdt_twin.compilation import GIVEN, WRITTEN, compile_loop
 
 FloatArray = NDArray[np.float64]
 Coefficients = tuple[tuple[float, ...], tuple[float, ...]]
@@ -86,8 +85,10 @@ def filter_side_by_side(
 @cache
 def compiled_recursion() -> Any:
     """Return :func:`filter_side_by_side` compiled."""
-    motor = types.Tuple((numbers(4), numbers(4)))  # type: ignore[no-untyped-call]
-    inverse = types.Tuple((numbers(5), numbers(3)))  # type: ignore[no-untyped-call]
-    memory, number = numbers(len(AT_REST)), types.float64
-    signature = memory(GIVEN, GIVEN, number, number, motor, inverse, memory, WRITTEN, WRITTEN)
-    return compile_loop(filter_side_by_side, signature)
+    filters = (
+        "Tuple((UniTuple(float64, 4), UniTuple(float64, 4))), "
+        "Tuple((UniTuple(float64, 5), UniTuple(float64, 3)))"
+    )
+    memory = f"UniTuple(float64, {len(AT_REST)})"
+    arguments = f"{GIVEN}, {GIVEN}, float64, float64, {filters}, {memory}, {WRITTEN}, {WRITTEN}"
+    return compile_loop(filter_side_by_side, f"{memory}({arguments})")
