@@ -7,12 +7,10 @@ their own.
 import re
 import subprocess
 import sys
-import threading
 
 import pytest
 import yaml
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
@@ -49,8 +47,8 @@ def failure(text, code=1):
 
 
 @pytest.fixture
-def robot(ros):
-    """Yield a node that another thread spins while commands ask for it."""
+def robot(ros, spin_in_thread):
+    """Return a node that another thread spins while commands ask for it."""
     node = ros.create(Node, "robot")
     limits = FloatingPointRange(from_value=0.0, to_value=10.0)
     node.declare_parameter(
@@ -68,17 +66,8 @@ def robot(ros):
 
     node.create_service(SetBool, "flip", flip)
 
-    def spin():
-        try:
-            ros.executor.spin()
-        except ExternalShutdownException:
-            return
-
-    spinner = threading.Thread(target=spin)
-    spinner.start()
-    yield node
-    ros.executor.shutdown()
-    spinner.join(5)
+    spin_in_thread()
+    return node
 
 
 def test_nodes(robot):

@@ -5,10 +5,8 @@ import re
 import signal
 import subprocess
 import sys
-import threading
 
 import pytest
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
@@ -48,8 +46,8 @@ def failure(text, code=1):
 
 
 @pytest.fixture
-def robot(ros):
-    """Yield a node that publishes and listens in a thread."""
+def robot(ros, spin_in_thread):
+    """Return a node that publishes and listens in a thread."""
     node = ros.create(Node, "robot")
     data = node.create_publisher(Float64MultiArray, "data", 10)
     joints = node.create_publisher(JointState, "joints", BEST_EFFORT)
@@ -68,17 +66,8 @@ def robot(ros):
     node.heard = []
     node.create_subscription(String, "words", lambda msg: node.heard.append(msg.data), 10)
 
-    def spin():
-        try:
-            ros.executor.spin()
-        except ExternalShutdownException:
-            return
-
-    spinner = threading.Thread(target=spin)
-    spinner.start()
-    yield node
-    ros.executor.shutdown()
-    spinner.join(5)
+    spin_in_thread()
+    return node
 
 
 def test_topics_are_listed(robot):
