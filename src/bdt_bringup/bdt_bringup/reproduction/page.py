@@ -117,7 +117,7 @@ FIGURES = (
         "are homogeneous. (b) The describing function takes theta_d for a sine. That holds for "
         "beams ten times as stiff; for table 1, whose first mode is three times the frequency of "
         "the limit cycle, the third harmonic is 0.45 of the fundamental and it does not. Harmonic "
-        "balance with 15 harmonics holds for both.",
+        "balance up to the 15th harmonic holds for both.",
     ),
 )
 
