@@ -94,15 +94,11 @@ def _reproduce(options: argparse.Namespace) -> int:
 
 def _bench(options: argparse.Namespace) -> int:
     from bdt_bringup.benchmarks.bench import BENCHMARKS, run_benchmarks  # noqa: PLC0415
-    from bdt_bringup.benchmarks.transport import TransportError  # noqa: PLC0415
 
     for name in options.names:
         if name not in BENCHMARKS:
             raise BadInputError(f"benchmark {name!r}: must be one of {', '.join(BENCHMARKS)}")
-    try:
-        measured = run_benchmarks(options.names)
-    except TransportError as error:
-        raise LoopError(str(error)) from error
+    measured = run_benchmarks(options.names)
     if options.json:
         print(json.dumps(measured, indent=2))
     else:

@@ -83,6 +83,8 @@ PROGRESS = Topic(
     "took, time_ref = simulated time before which it will not act on the loop",
     depth=100,
 )
+PROGRESS_PERIOD = 0.1
+"""Wall time [s] after which progress is told again: a lost message delays lockstep by it."""
 CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock", "simulated time", reliable=False, depth=1)
 DIAGNOSTICS = Topic(
     "/diagnostics",

@@ -24,6 +24,7 @@ from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
     DEAD_ZONE_PARAMETER,
     PROGRESS,
+    PROGRESS_PERIOD,
     TELEMETRY,
     TELEMETRY_COLUMNS,
     TWIN_NODE,
@@ -35,9 +36,6 @@ from bdt_twin.inverse_filter import InverseFilterEstimator
 from bdt_twin.link import DelayedLink, Reconfiguration
 from bdt_twin.parameters import PARAMETERS
 from bdt_twin.telemetry_stream import TelemetryRejectedError, TelemetryStream
-
-PROGRESS_PERIOD = 0.1
-"""Wall time [s] after which the progress is told again: a lost message delays lockstep by it."""
 
 
 class TwinNode(Node):

@@ -18,6 +18,7 @@ from pathlib import Path
 from statistics import median
 
 from bdt_bringup.benchmarks.result import BenchmarkResult, BenchmarkSize, compared
+from bdt_msgs_py.exit_codes import LoopError
 
 ROS_PEER = "bdt_bringup.benchmarks.ros_peer"
 RAW_PEER = "bdt_bringup.benchmarks.raw_peer"
@@ -45,7 +46,7 @@ LOOPBACK = (
 START = "import rclpy; rclpy.init(); rclpy.create_node('bench_start').destroy_node()"
 
 
-class TransportError(RuntimeError):
+class TransportError(LoopError):
     """An end of a benchmark failed; the text is what it said last."""
 
 

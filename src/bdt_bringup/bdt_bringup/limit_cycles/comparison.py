@@ -163,8 +163,10 @@ def compare_over_stiffness(
     return tuple(comparisons)
 
 
-def limit_cycle_table(comparisons: Sequence[LimitCycleComparison]) -> str:
-    """Return comparisons over the gap as a Markdown table.
+def limit_cycle_rows(
+    comparisons: Sequence[LimitCycleComparison],
+) -> list[tuple[str, str, str, str, str, str]]:
+    """Return comparisons over the gap as the cells of a table, one row a gap and method.
 
     Parameters
     ----------
@@ -173,24 +175,35 @@ def limit_cycle_table(comparisons: Sequence[LimitCycleComparison]) -> str:
 
     Returns
     -------
-    str
-        Gaps in degrees, positions in micrometers.
+    list of tuple of str
+        Gap [deg], method, frequency [rad/s] or "none", fundamental and peak to peak [um], third
+        harmonic over the fundamental.
     """
+    rows = []
+    for each in comparisons:
+        for method in METHODS:
+            cycle: LimitCycle | None = getattr(each, method)
+            found = (
+                ("none", "", "", "")
+                if cycle is None
+                else (
+                    f"{cycle.frequency:.2f}",
+                    f"{1e6 * cycle.fundamental:.1f}",
+                    f"{1e6 * cycle.peak_to_peak:.1f}",
+                    f"{cycle.third_harmonic:.2f}",
+                )
+            )
+            rows.append((f"{math.degrees(each.gap):.4g}", method.replace("_", " "), *found))
+    return rows
+
+
+def limit_cycle_table(comparisons: Sequence[LimitCycleComparison]) -> str:
+    """Return :func:`limit_cycle_rows` as a Markdown table, for a report or an issue."""
     lines = [
         "| gap [deg] | method | rad/s | fundamental [µm] | peak to peak [µm] | third harmonic |",
         "|---|---|---|---|---|---|",
     ]
-    for each in comparisons:
-        for method in METHODS:
-            cycle: LimitCycle | None = getattr(each, method)
-            head = f"| {math.degrees(each.gap):.4g} | {method.replace('_', ' ')} |"
-            if cycle is None:
-                lines.append(head + " none | | | |")
-                continue
-            lines.append(
-                head + f" {cycle.frequency:.2f} | {1e6 * cycle.fundamental:.1f} "
-                f"| {1e6 * cycle.peak_to_peak:.1f} | {cycle.third_harmonic:.2f} |"
-            )
+    lines += [f"| {' | '.join(row)} |" for row in limit_cycle_rows(comparisons)]
     return "\n".join(lines)
 
 

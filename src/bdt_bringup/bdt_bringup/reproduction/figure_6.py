@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bdt_bringup.analysis.figures import COLUMNS
 from bdt_bringup.drawing import figure_style as style
 from bdt_bringup.drawing.decimation import envelope
 from bdt_bringup.reproduction.claims import Claim
@@ -23,8 +24,6 @@ STILL = 1e-6
 
 LARGEST_AT_REST = 0.05
 """Difference of the angles at rest up to which they match [deg]; half of the rounding l."""
-
-COLUMNS = 1100
 
 
 class ScrewAngle(NamedTuple):

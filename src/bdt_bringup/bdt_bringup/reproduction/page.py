@@ -4,8 +4,7 @@ import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from bdt_bringup.limit_cycles.comparison import METHODS, LimitCycleComparison
-from bdt_bringup.limit_cycles.theory import LimitCycle
+from bdt_bringup.limit_cycles.comparison import LimitCycleComparison, limit_cycle_rows
 from bdt_bringup.pages.rendering import render_page
 from bdt_bringup.reproduction.claims import Claim
 from bdt_bringup.reproduction.sweeps import Survival
@@ -156,7 +155,7 @@ def reproduction_page(
             if figure.file in files
         ],
         failures=_failures(survivals),
-        limit_cycles=[row for each in limit_cycles for row in _limit_cycle_rows(each)],
+        limit_cycles=limit_cycle_rows(limit_cycles),
         rates=[f"{rate:g}" for rate in accuracy[0].rates] if accuracy else [],
         accuracy=[
             (
@@ -188,26 +187,6 @@ def _failures(survivals: Sequence[Survival]) -> list[tuple[str, str, str]]:
             failing = [f"{value:g}" for value in survival.choice.values if value not in holding]
             if failing:
                 rows.append((survival.choice.name, claim.paper_says, ", ".join(failing)))
-    return rows
-
-
-def _limit_cycle_rows(comparison: LimitCycleComparison) -> list[tuple[str, ...]]:
-    rows: list[tuple[str, ...]] = []
-    for method in METHODS:
-        cycle: LimitCycle | None = getattr(comparison, method)
-        head = (f"{math.degrees(comparison.gap):.3g}", method.replace("_", " "))
-        if cycle is None:
-            rows.append((*head, "none", "", "", ""))
-        else:
-            rows.append(
-                (
-                    *head,
-                    f"{cycle.frequency:.2f}",
-                    f"{1e6 * cycle.fundamental:.1f}",
-                    f"{1e6 * cycle.peak_to_peak:.1f}",
-                    f"{cycle.third_harmonic:.2f}",
-                )
-            )
     return rows
 
 

@@ -37,6 +37,7 @@ from bdt_msgs_py.topics import (
     COMMAND,
     MEASUREMENT,
     PROGRESS,
+    PROGRESS_PERIOD,
     TELEMETRY,
     TELEMETRY_COLUMNS,
     Topic,
@@ -46,8 +47,6 @@ from bdt_msgs_py.writing import progress
 RECORDER_NODE = "recorder"
 HISTORY = 10_000
 """Messages a subscription may hold back while the recorder is busy."""
-PROGRESS_PERIOD = 0.1
-"""Wall time [s] after which the progress is told again: a lost message delays lockstep by it."""
 
 
 class RecorderNode(Node):
