@@ -185,7 +185,9 @@ def test_a_parameter_that_is_not_allowed_is_refused_with_a_reason(ros, name, val
 def test_a_start_with_bad_parameters_names_parameter_value_and_what_is_allowed(
     ros, parameters, says
 ):
+    watcher = ros.create(Node, "watcher")
     with pytest.raises(ConfigurationError) as caught:
         ros.create(ControllerNode, **parameters)
     assert says in str(caught.value)
     assert "\n" not in str(caught.value)
+    ros.spin_until(lambda: watcher.get_node_names() == ["watcher"], deadline=5.0)

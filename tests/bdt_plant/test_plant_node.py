@@ -223,7 +223,9 @@ def test_in_real_time_a_voltage_without_fresh_commands_becomes_zero(ros):
 def test_a_start_with_bad_parameters_names_parameter_value_and_what_is_allowed(
     ros, parameters, says
 ):
+    watcher = ros.create(Node, "watcher")
     with pytest.raises(ConfigurationError) as caught:
         ros.create(PlantNode, **parameters)
     assert says in str(caught.value)
     assert "\n" not in str(caught.value)
+    ros.spin_until(lambda: watcher.get_node_names() == ["watcher"], deadline=5.0)

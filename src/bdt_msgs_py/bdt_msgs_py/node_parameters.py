@@ -1,6 +1,7 @@
 """Parameter dataclasses as ROS parameters: declared with descriptors, read back, validated."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -86,15 +87,35 @@ def declare_all(node: Node, parameters: Sequence[tuple[str, type[Any]]]) -> list
         With one line that names the parameter, the value and what is allowed. rclpy alone would
         ignore a misspelt name.
     """
-    declared = [declare(node, prefix, kind) for prefix, kind in parameters]
-    # rclpy has no public way to see the overrides of parameters that were never declared.
-    for name, override in node._parameter_overrides.items():
-        if not node.has_parameter(name) and not name.startswith("qos_overrides."):
-            raise ConfigurationError(
-                f"parameter {name} = {override.value!r}: "
-                f"is not a parameter of {node.get_fully_qualified_name()}"
-            )
+    with gone_if_refused(node):
+        declared = [declare(node, prefix, kind) for prefix, kind in parameters]
+        # rclpy has no public way to see the overrides of parameters that were never declared.
+        for name, override in node._parameter_overrides.items():
+            if not node.has_parameter(name) and not name.startswith("qos_overrides."):
+                raise ConfigurationError(
+                    f"parameter {name} = {override.value!r}: "
+                    f"is not a parameter of {node.get_fully_qualified_name()}"
+                )
     return declared
+
+
+@contextmanager
+def gone_if_refused(node: Node) -> Iterator[None]:
+    """Destroy a node whose configuration is refused within the ``with`` block.
+
+    Its constructor raises, so nobody holds it; yet it would stay in the graph for its peers to
+    see until Python collects it, which may take minutes.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        Node under construction.
+    """
+    try:
+        yield
+    except ConfigurationError:
+        node.destroy_node()
+        raise
 
 
 def reconfigured(current: Parameters, prefix: str, changes: list[Parameter]) -> Parameters:

@@ -17,7 +17,7 @@ from std_msgs.msg import Float64MultiArray
 
 from bdt_msgs_py.diagnostics import DiagnosticsPublisher, Health
 from bdt_msgs_py.node_main import run_node
-from bdt_msgs_py.node_parameters import ConfigurationError, declare_all
+from bdt_msgs_py.node_parameters import ConfigurationError, declare_all, gone_if_refused
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_seconds, read_samples
 from bdt_msgs_py.topics import (
@@ -61,10 +61,11 @@ class TwinNode(Node):
         self._model = PlantModel(*model)
         self._sampling_rate = settings.sampling_rate
         self._stream = TelemetryStream(settings.sampling_rate)
-        try:
-            self._estimator = InverseFilterEstimator(self._model, settings)
-        except ValueError as error:
-            raise ConfigurationError(f"parameter {error}") from error
+        with gone_if_refused(self):
+            try:
+                self._estimator = InverseFilterEstimator(self._model, settings)
+            except ValueError as error:
+                raise ConfigurationError(f"parameter {error}") from error
         self._link = DelayedLink(self._settings.communication_delay)
         self._stream_start = 0
         self._telemetry_end = 0

@@ -29,7 +29,7 @@ from std_msgs.msg import Float64MultiArray
 
 from bdt_bringup.running.recorder_settings import PARAMETERS
 from bdt_msgs_py.node_main import run_node
-from bdt_msgs_py.node_parameters import ConfigurationError, declare_all
+from bdt_msgs_py.node_parameters import ConfigurationError, declare_all, gone_if_refused
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_seconds, read_samples
 from bdt_msgs_py.topics import (
@@ -68,11 +68,12 @@ class RecorderNode(Node):
         self._recording = False
         (settings,) = declare_all(self, PARAMETERS)
         plugin = StoragePlugin.MCAP if settings.storage == "mcap" else StoragePlugin.SQLITE3
-        try:
-            self._writer = Writer(Path(settings.bag), version=9, storage_plugin=plugin)
-            self._writer.open()
-        except (WriterError, OSError) as error:
-            raise ConfigurationError(f"parameter bag = {settings.bag!r}: {error}") from error
+        with gone_if_refused(self):
+            try:
+                self._writer = Writer(Path(settings.bag), version=9, storage_plugin=plugin)
+                self._writer.open()
+            except (WriterError, OSError) as error:
+                raise ConfigurationError(f"parameter bag = {settings.bag!r}: {error}") from error
         self._telemetry_end = 0
         self._recording = True
         self._progress_publisher = self.create_publisher(
