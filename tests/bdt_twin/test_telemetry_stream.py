@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bdt_twin.telemetry_stream import TelemetryRejectedError, TelemetryStream
+from bdt_twin.estimator import TelemetryRejectedError
+from bdt_twin.telemetry_stream import TelemetryStream
 
 RATE = 5000
 EPOCH = 1_763_680_000

@@ -3,12 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_twin.estimator import TelemetryRejectedError
+
 TIME_TOLERANCE = 0.01
 """Largest deviation of a time step, as a fraction of the sample time."""
-
-
-class TelemetryRejectedError(ValueError):
-    """A batch must not reach the estimator; the text says why."""
 
 
 class TelemetryStream:

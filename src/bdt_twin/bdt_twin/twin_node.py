@@ -32,10 +32,11 @@ from bdt_msgs_py.topics import (
 from bdt_msgs_py.writing import gap_estimate, progress
 from bdt_plant.plant import PlantModel
 from bdt_twin.dead_zone_width import tolerance_for_gap
+from bdt_twin.estimator import TelemetryRejectedError
 from bdt_twin.inverse_filter import InverseFilterEstimator
 from bdt_twin.link import DelayedLink, Reconfiguration
 from bdt_twin.parameters import PARAMETERS
-from bdt_twin.telemetry_stream import TelemetryRejectedError, TelemetryStream
+from bdt_twin.telemetry_stream import TelemetryStream
 
 
 class TwinNode(Node):

@@ -1,0 +1,75 @@
+"""What every estimator of the backlash gap is to the twin: batches in, estimates out."""
+
+import math
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Estimate(NamedTuple):
+    """What an estimator knows about the gap at one time.
+
+    Attributes
+    ----------
+    time : float
+        Time for which the gap is stated: that of the newest sample taken into account [s].
+    gap : float
+        Backlash gap theta_b [rad]; NaN as long as nothing was learned.
+    uncertainty : float
+        Standard uncertainty of the gap [rad]; infinite as long as nothing was learned, NaN from an
+        estimator that does not know how sure it is.
+    growth : float
+        Growth rate of the gap [rad/s]; 0 from an estimator that does not look for it.
+    gain_correction : float
+        Factor by which the motor's gain differs from the model's [-].
+    reversals : int
+        Number of reversals of the lead screw's motion that the estimate rests on.
+    reason : str
+        Why these samples taught nothing, so that the last estimate is kept with an uncertainty
+        that grows; empty when they did.
+    """
+
+    time: float
+    gap: float
+    uncertainty: float = math.nan
+    growth: float = 0.0
+    gain_correction: float = 1.0
+    reversals: int = 0
+    reason: str = ""
+
+    @property
+    def is_known(self) -> bool:
+        """Whether there is a gap at all."""
+        return math.isfinite(self.gap)
+
+
+class TelemetryRejectedError(ValueError):
+    """A batch is of no use to the estimator; the text says why."""
+
+
+class Estimator(Protocol):
+    """Turns telemetry into estimates, the same ones however it is split into batches."""
+
+    def restart(self) -> None:
+        """Forget everything: another run begins."""
+
+    def update(self, batch: NDArray[np.float64]) -> Estimate | None:
+        """Take the next batch.
+
+        Parameters
+        ----------
+        batch : ndarray, shape (n, 3)
+            Telemetry rows (t [s], u [V], q3 [m]), oldest first.
+
+        Returns
+        -------
+        Estimate or None
+            The newest estimate that became due within the batch; None if none did.
+
+        Raises
+        ------
+        TelemetryRejectedError
+            For a batch that is of no use: empty, not finite, or going back in time. What the
+            estimator needs to do about it (restart, or go on across the hole) it has done.
+        """
