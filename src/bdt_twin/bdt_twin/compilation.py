@@ -1,8 +1,12 @@
 """Compilation of the loops over samples, from which a node gets the floats of plain Python."""
 
-from collections.abc import Callable
+import hashlib
+import inspect
+from collections.abc import Callable, Iterable
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 GIVEN = "Array(float64, 1, 'C', readonly=True)"
@@ -12,15 +16,15 @@ WRITTEN = "Array(float64, 1, 'C')"
 """Numba's type of an array of shape (n,) that a loop writes."""
 
 
-def compile_loop(function: Callable[..., Any], signature: str) -> Any:
+def compile_loop(function: Callable[..., Any], signature: Any) -> Any:
     """Return a function compiled for one signature, at once rather than at its first call.
 
     Parameters
     ----------
     function : callable
         A function that calls no other one of ours: numba's cache only sees its own file change.
-    signature : str
-        Types of result and arguments in numba's words.
+    signature : str or tuple of numba types
+        Types of result and arguments in numba's words, or those of the arguments alone.
 
     Returns
     -------
@@ -37,3 +41,45 @@ def compile_loop(function: Callable[..., Any], signature: str) -> Any:
         # Neither beside the file nor in the home folder can a cache be written. Compiling anew
         # takes a second at each start, which is better than no start.
         return njit([signature], nogil=True)(function)
+
+
+def compile_with_steps(
+    build: Callable[[str], Callable[..., Any]],
+    steps: Iterable[Callable[..., Any]],
+    signature: Callable[[], Any],
+) -> Any:
+    """Return a loop compiled together with the step functions of a model that it calls.
+
+    The steps stay what the nodes run; they and all that they call are made known to numba from
+    here. Numba's cache watches the file of the loop only and would go on with the equations of
+    yesterday when a step changes. What a closure holds is part of the key, so the loop is a
+    closure that holds a hash of the sources.
+
+    Parameters
+    ----------
+    build : callable
+        Takes the hash and returns the loop, in which the name of the hash occurs.
+    steps : iterable of callable
+        Step functions that the loop calls.
+    signature : callable
+        Returns numba's types of the arguments; asked only where numba is installed.
+
+    Returns
+    -------
+    callable
+        The loop itself where numba is not installed.
+    """
+    if find_spec("numba") is None:
+        return build("")
+    files = frozenset[str]().union(*map(_compilable, steps))
+    sources = hashlib.sha256(b"".join(Path(name).read_bytes() for name in sorted(files)))
+    return compile_loop(build(sources.hexdigest()), signature())
+
+
+@cache
+def _compilable(function: Callable[..., Any]) -> frozenset[str]:
+    """Let numba compile a step function and all it calls, and return the files they are in."""
+    import_module("numba.extending").register_jitable(function)
+    names = inspect.getclosurevars(function).globals.values()
+    files = frozenset([inspect.getfile(function)])
+    return files.union(*(_compilable(called) for called in names if inspect.isfunction(called)))

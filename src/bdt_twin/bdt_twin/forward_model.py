@@ -1,0 +1,247 @@
+"""Forward model of a window: the plant's own step functions from voltage to position, compiled.
+
+Beside the position, the loop notes what the sensitivities need. The screw only moves in contact,
+so at any time its angle is that of the motor at the last contact, less or plus half of the gap at
+that time: between contacts nothing depends on the gap.
+"""
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_plant.motor import MotorState
+from bdt_plant.plant import AT_REST, PlantModel, PlantState, PlantStep, discretize_plant, plant_step
+from bdt_plant.structure import (
+    StructureState,
+    StructureStep,
+    structure_step,
+)
+from bdt_twin.compilation import compile_with_steps
+
+FloatArray = NDArray[np.float64]
+
+SMALLEST_TRAVEL = float(np.deg2rad(1.0))
+"""Angle by which the screw turns back before that counts as a reversal [rad]."""
+
+MOST_REVERSALS = 1000
+"""Reversals noted in a window; of more, the newest are."""
+
+
+class WindowRun(NamedTuple):
+    """What a simulation of one stretch of data gives.
+
+    Attributes
+    ----------
+    position : ndarray, shape (n,)
+        Position q3 [m].
+    screw : ndarray, shape (blocks,)
+        Mean angle of the lead screw over each block of samples [rad].
+    side : ndarray, shape (blocks,)
+        Mean direction of the last motion of the screw: 1 forward, -1 backward, 0 before any.
+    motor : ndarray, shape (blocks,)
+        Mean angle of the motor at the last contact [rad].
+    sample : ndarray, shape (blocks,)
+        Mean index of the sample of the last contact.
+    lag : ndarray, shape (n,)
+        Angle of the motor less that of the screw [rad].
+    reversals : list of int
+        Samples at which the screw began to move the other way.
+    travel : float
+        Angle over which the screw moved [rad].
+    """
+
+    position: FloatArray
+    screw: FloatArray
+    side: FloatArray
+    motor: FloatArray
+    sample: FloatArray
+    lag: FloatArray
+    reversals: list[int]
+    travel: float
+
+
+def run_window(
+    step: PlantStep, state: PlantState, voltage: FloatArray, gaps: FloatArray, block: int
+) -> WindowRun:
+    """Simulate the plant over one stretch of data (eqs 1, 2, 3 and 6).
+
+    Parameters
+    ----------
+    step : PlantStep
+        Discrete model of the plant.
+    state : PlantState
+        State at the first sample.
+    voltage : ndarray, shape (n,)
+        Motor voltage u [V], each held until the next sample; n is a multiple of `block`.
+    gaps : ndarray, shape (n,)
+        Backlash gap theta_b at the samples [rad], not negative.
+    block : int
+        Samples in a block.
+    """
+    count = voltage.size // block
+    position, lag = np.empty(voltage.size), np.empty(voltage.size)
+    screw, side, motor, sample = np.zeros((4, count))
+    reversals = np.zeros(MOST_REVERSALS, dtype=np.int64)
+    found, travel = compiled_window()(
+        step,
+        state,
+        voltage,
+        gaps,
+        block,
+        SMALLEST_TRAVEL,
+        position,
+        lag,
+        screw,
+        side,
+        motor,
+        sample,
+        reversals,
+    )
+    order = range(max(found - MOST_REVERSALS, 0), found)
+    noted = [int(reversals[n % MOST_REVERSALS]) for n in order]
+    return WindowRun(position, screw, side, motor, sample, lag, noted, travel)
+
+
+def run_structure(step: StructureStep, state: StructureState, base: FloatArray) -> FloatArray:
+    """Return position q3 of platform 3 for a base that moves as given (eq. 3).
+
+    Parameters
+    ----------
+    step : StructureStep
+        Discrete model for the spacing of `base`.
+    state : StructureState
+        State at the first instant.
+    base : ndarray, shape (n,)
+        Position d of the lead screw's end [m].
+    """
+    position = np.empty(base.size)
+    compiled_structure()(step, state, base, position)
+    return position
+
+
+def initial_state(structure: StructureState, lag: float, voltage: float, back_emf: float) -> Any:
+    """Return the state of a plant whose screw is at the angle zero.
+
+    Parameters
+    ----------
+    structure : StructureState
+        State of the structure.
+    lag : float
+        Angle of the motor less that of the screw [rad].
+    voltage : float
+        First voltage [V]: the motor settles within milliseconds, so it runs at the speed for it.
+    back_emf : float
+        Back-EMF constant k_B [V s/rad].
+    """
+    motor = MotorState(0.0, voltage / back_emf, lag)
+    return PlantState(motor, 0.0, 0, structure)
+
+
+@cache
+def compiled_window() -> Any:
+    """Return the loop over the samples of a window, compiled."""
+
+    def types() -> Any:
+        from numba import types, typeof  # noqa: PLC0415  (absent on many a small computer)
+
+        given = types.Array(types.float64, 1, "C", readonly=True)
+        signal = types.Array(types.float64, 1, "C")
+        return (
+            typeof(_model_step()),
+            typeof(AT_REST),
+            given,
+            given,
+            types.int64,
+            types.float64,
+            *(signal for _ in range(6)),
+            types.Array(types.int64, 1, "C"),
+        )
+
+    return compile_with_steps(_window_loop, [plant_step], types)
+
+
+@cache
+def compiled_structure() -> Any:
+    """Return the loop over the instants of :func:`run_structure`, compiled."""
+
+    def types() -> Any:
+        from numba import types, typeof  # noqa: PLC0415  (absent on many a small computer)
+
+        given = types.Array(types.float64, 1, "C", readonly=True)
+        signal = types.Array(types.float64, 1, "C")
+        return typeof(_model_step().structure), typeof(AT_REST.structure), given, signal
+
+    return compile_with_steps(_structure_loop, [structure_step], types)
+
+
+def _model_step() -> PlantStep:
+    return discretize_plant(PlantModel(), 2e-4)
+
+
+def _window_loop(sources: str) -> Any:
+    def window_loop(
+        step: PlantStep,
+        state: PlantState,
+        voltage: FloatArray,
+        gaps: FloatArray,
+        block: int,
+        smallest_travel: float,
+        position: FloatArray,
+        lag: FloatArray,
+        screw: FloatArray,
+        side: FloatArray,
+        motor: FloatArray,
+        sample: FloatArray,
+        reversals: NDArray[np.int64],
+    ) -> tuple[int, float]:
+        _ = sources
+        last_side, last_motor, last_sample = 0.0, state.motor.angle, 0.0
+        before = state.theta_d
+        direction, extreme, turned_at, found, travel = 0.0, before, 0, 0, 0.0
+        share = 1.0 / block
+        for k in range(voltage.size):
+            if k > 0:
+                state = plant_step(state, voltage[k - 1], gaps[k], step)
+            angle = state.theta_d
+            if angle != before:
+                last_side = 1.0 if angle > before else -1.0
+                last_motor, last_sample = state.motor.angle, float(k)
+                travel += abs(angle - before)
+                if direction * (angle - extreme) >= 0.0:
+                    # Of a screw that has not moved yet any motion is the first direction.
+                    if direction == 0.0:
+                        direction = last_side
+                    extreme = angle
+                else:
+                    if before == extreme:
+                        turned_at = k
+                    if direction * (extreme - angle) >= smallest_travel:
+                        reversals[found % reversals.size] = turned_at
+                        found += 1
+                        direction, extreme = -direction, angle
+            before = angle
+            position[k] = state.structure.q3
+            lag[k] = state.motor.angle - angle
+            number = k // block
+            screw[number] += share * angle
+            side[number] += share * last_side
+            motor[number] += share * last_motor
+            sample[number] += share * last_sample
+        return found, travel
+
+    return window_loop
+
+
+def _structure_loop(sources: str) -> Any:
+    def structure_loop(
+        step: StructureStep, state: StructureState, base: FloatArray, position: FloatArray
+    ) -> None:
+        _ = sources
+        for k in range(base.size):
+            if k > 0:
+                state = structure_step(state, base[k - 1], base[k], step)
+            position[k] = state.q3
+
+    return structure_loop

@@ -1,0 +1,77 @@
+"""Settings of the estimator by output error."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bdt_msgs_py.quantities import quantity, validate
+
+
+@dataclass(frozen=True)
+class OutputErrorSettings:
+    """Settings of the estimator by output error."""
+
+    sampling_rate: float = quantity(
+        5000.0, "Hz", "sampling rate of the telemetry", minimum=1.0, maximum=1e5
+    )
+    window: float = quantity(
+        20.0, "s", "length of the newest data that one estimate rests on", minimum=1.0, maximum=1e3
+    )
+    update_period: float = quantity(
+        1.0, "s", "time between two estimates", minimum=1e-3, maximum=1e4
+    )
+    residual_rate: float = quantity(
+        200.0,
+        "Hz",
+        "rate at which measured and simulated position are compared: means over its periods",
+        minimum=1.0,
+        maximum=1e5,
+    )
+    knot_spacing: float = quantity(
+        2.0,
+        "s",
+        "spacing of the knots between which the gap grows evenly",
+        minimum=0.1,
+        maximum=1e3,
+    )
+    growth_change: float = quantity(
+        float(np.deg2rad(0.05)),
+        "rad/s^1.5",
+        "how much the gap's growth rate may change: its standard deviation after a second",
+        minimum=1e-9,
+        maximum=1e3,
+    )
+    shortest_stretch: float = quantity(
+        1.0, "s", "shortest data between two holes that are used", minimum=0.1, maximum=1e3
+    )
+    largest_uncertainty: float = quantity(
+        float(np.deg2rad(3.0)),
+        "rad",
+        "standard uncertainty of the gap above which a window has taught nothing",
+        minimum=1e-6,
+        maximum=100.0,
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        samples = self.update_period * self.sampling_rate
+        if abs(samples - round(samples)) > 1e-6 or round(samples) < 1:
+            raise ValueError(
+                f"OutputErrorSettings.update_period = {self.update_period!r} s: "
+                f"must be a whole number of samples at {self.sampling_rate:g} Hz"
+            )
+        if self.knot_spacing > self.window:
+            raise ValueError(
+                f"OutputErrorSettings.knot_spacing = {self.knot_spacing!r} s: "
+                f"must be at most the window ({self.window:g} s)"
+            )
+        if self.shortest_stretch > self.window:
+            raise ValueError(
+                f"OutputErrorSettings.shortest_stretch = {self.shortest_stretch!r} s: "
+                f"must be at most the window ({self.window:g} s)"
+            )
+
+    @property
+    def block(self) -> int:
+        """Samples over which the residual is averaged."""
+        return max(round(self.sampling_rate / self.residual_rate), 1)

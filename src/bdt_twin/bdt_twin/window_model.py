@@ -1,0 +1,245 @@
+"""Position over a window as a function of what is unknown about the mechanism, and its slopes."""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_plant.plant import PlantModel, discretize_plant
+from bdt_plant.structure import (
+    StructureParameters,
+    StructureState,
+    StructureStep,
+    discretize_structure,
+)
+from bdt_twin.forward_model import (
+    WindowRun,
+    initial_state,
+    run_structure,
+    run_window,
+)
+
+FloatArray = NDArray[np.float64]
+
+FACTORS = ("gain", "stiffness", "damping")
+"""Factors on the model: of the motor's gain, of k/m and of c/m."""
+
+BEGINNING = ("share", "offset", "q2", "q2_velocity", "q3", "q3_velocity")
+"""Unknowns at the beginning of a stretch; see :class:`Unknowns`."""
+
+FACTOR_GRID = 1e-3
+"""Spacing of the logarithms of k/m and c/m at which slopes are taken, and the change for their
+own slopes. Slopes may be a little off; so the discrete models are remembered, as making one takes
+as long as simulating half a second."""
+
+
+class Stretch(NamedTuple):
+    """Telemetry without a hole.
+
+    Attributes
+    ----------
+    first : int
+        Number of the first sample: its time times the sampling rate.
+    voltage, position : ndarray, shape (n,)
+        Motor voltage u [V] and position q3 [m]; n is a multiple of the samples in a block.
+    """
+
+    first: int
+    voltage: FloatArray
+    position: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """Everything that a fit looks for.
+
+    Attributes
+    ----------
+    gaps : ndarray, shape (knots,)
+        Gap theta_b at the knots, linear between them [rad].
+    factors : ndarray, shape (3,)
+        Natural logarithms of ``FACTORS``.
+    beginnings : ndarray, shape (stretches, 6)
+        ``BEGINNING`` of each stretch: where in the gap the motor is, from -1 to 1 (ends at which
+        it drives the screw backward and forward), the position of the lead screw's end [m], and
+        the structure's positions [m] relative to it and velocities [m/s].
+    """
+
+    gaps: FloatArray
+    factors: FloatArray
+    beginnings: FloatArray
+
+    def as_vector(self) -> FloatArray:
+        """Return all of them in one array."""
+        return np.concatenate([self.gaps, self.factors, self.beginnings.ravel()])
+
+    def from_vector(self, vector: FloatArray) -> "Unknowns":
+        """Return the unknowns of a vector, brought back to where they have a meaning."""
+        knots = self.gaps.size
+        beginnings = vector[knots + len(FACTORS) :].reshape(self.beginnings.shape).copy()
+        np.clip(beginnings[:, 0], -1.0, 1.0, out=beginnings[:, 0])
+        factors = np.clip(vector[knots : knots + len(FACTORS)], -1.0, 1.0)
+        return Unknowns(np.maximum(vector[:knots], 0.0), factors, beginnings)
+
+
+class WindowModel:
+    """The forward model of one window.
+
+    Parameters
+    ----------
+    model : PlantModel
+        Constants of the mechanism, as the twin knows them.
+    stretches : sequence of Stretch
+        Data of the window.
+    knots : ndarray, shape (knots,)
+        Times of the gap's knots, evenly spaced [s].
+    sampling_rate : float
+        Sampling rate [Hz].
+    block : int
+        Samples in a block.
+    """
+
+    def __init__(
+        self,
+        model: PlantModel,
+        stretches: list[Stretch],
+        knots: FloatArray,
+        sampling_rate: float,
+        block: int,
+    ) -> None:
+        self.stretches, self.knots, self.block = stretches, knots, block
+        self._model, self._rate = model, sampling_rate
+        self._blocks = [stretch.voltage.size // block for stretch in stretches]
+
+    def run(self, unknowns: Unknowns) -> list[WindowRun]:
+        """Simulate each stretch."""
+        model = self._changed(unknowns.factors)
+        step = discretize_plant(model, 1.0 / self._rate)
+        runs = []
+        for stretch, beginning in zip(self.stretches, unknowns.beginnings, strict=True):
+            times = (stretch.first + np.arange(stretch.voltage.size)) / self._rate
+            gaps = np.interp(times, self.knots, unknowns.gaps)
+            state = initial_state(
+                StructureState(*beginning[2:].tolist()),
+                0.5 * float(beginning[0]) * float(gaps[0]),
+                float(stretch.voltage[0]),
+                model.motor.back_emf_constant,
+            )
+            run = run_window(step, state, stretch.voltage, gaps, self.block)
+            runs.append(run._replace(position=run.position + beginning[1]))
+        return runs
+
+    def slopes(self, unknowns: Unknowns, runs: list[WindowRun]) -> FloatArray:
+        """Return the slopes of the block means of the position, shape (unknowns, blocks).
+
+        The mean over a block of a linear model's response is the response to the input's mean,
+        so the structure is simulated from block to block.
+        """
+        knots, count = self.knots.size, sum(self._blocks)
+        slopes = np.zeros((unknowns.as_vector().size, count))
+        start = 0
+        for number, (run, blocks) in enumerate(zip(runs, self._blocks, strict=True)):
+            columns = slice(start, start + blocks)
+            start += blocks
+            first = knots + len(FACTORS) + len(BEGINNING) * number
+            self._add_play(slopes[:, columns], first, number, unknowns, run)
+            self._add_structure(slopes[:, columns], first, number, unknowns, run)
+        return slopes
+
+    def _add_play(
+        self,
+        slopes: FloatArray,
+        first: int,
+        number: int,
+        unknowns: Unknowns,
+        run: WindowRun,
+    ) -> None:
+        """Add the slopes that act through the angle of the screw: gap, gain, first contact."""
+        _, step = self._by_blocks(unknowns.factors)
+        base_of, at_rest = self._model.lead_screw.pitch, StructureState(0.0, 0.0, 0.0, 0.0)
+        moved = np.abs(run.side)
+        begins = self.stretches[number].first
+        share = float(unknowns.beginnings[number, 0])
+        initial = self.weights(np.array([begins / self._rate]))[:, 0]
+        weights = self.weights((begins + run.sample) / self._rate)
+        for knot in range(self.knots.size):
+            if not (initial[knot] or weights[knot].any()):
+                continue
+            turned = 0.5 * (share * initial[knot] * moved - run.side * weights[knot])
+            slopes[knot] = run_structure(step, at_rest, base_of * turned)
+        gap = float(initial @ unknowns.gaps)
+        # The angle of the motor begins at its place in the gap.
+        turned = (run.motor - 0.5 * share * gap) * moved
+        slopes[self.knots.size] = run_structure(step, at_rest, base_of * turned)
+        slopes[first] = run_structure(step, at_rest, base_of * 0.5 * gap * moved)
+
+    def _add_structure(
+        self, slopes: FloatArray, first: int, number: int, unknowns: Unknowns, run: WindowRun
+    ) -> None:
+        """Add the slopes of the structure's constants and of its initial state."""
+        knots, beginning = self.knots.size, unknowns.beginnings[number]
+        base = self._model.lead_screw.pitch * run.screw
+        for which in (1, 2):
+            ends = []
+            for change in (FACTOR_GRID, -FACTOR_GRID):
+                factors = unknowns.factors.copy()
+                factors[which] += change
+                start, step = self._by_blocks(factors)
+                state = StructureState(*(start @ beginning[2:]).tolist())
+                ends.append(run_structure(step, state, base))
+            slopes[knots + which, :] = (ends[0] - ends[1]) / (2 * FACTOR_GRID)
+        slopes[first + 1] = 1.0
+        start, step = self._by_blocks(unknowns.factors)
+        nothing = np.zeros(base.size)
+        for state_number, mean in enumerate(start.T):
+            free = run_structure(step, StructureState(*mean.tolist()), nothing)
+            slopes[first + 2 + state_number] = free
+
+    def _by_blocks(self, factors: FloatArray) -> tuple[FloatArray, StructureStep]:
+        """Return :func:`_block_model` for the nearest factors on the grid."""
+        on_grid = np.round(factors / FACTOR_GRID) * FACTOR_GRID
+        structure = self._changed(np.array([0.0, *on_grid[1:]])).structure
+        return _block_model(structure, 1.0 / self._rate, self.block)
+
+    def _changed(self, factors: FloatArray) -> PlantModel:
+        """Return the model with its factors."""
+        gain, stiffness, damping = np.exp(factors).tolist()
+        motor, structure = self._model.motor, self._model.structure
+        return replace(
+            self._model,
+            motor=replace(motor, back_emf_constant=motor.back_emf_constant / gain),
+            structure=replace(
+                structure,
+                stiffness=structure.stiffness * stiffness,
+                damping=structure.damping * damping,
+            ),
+        )
+
+    def weights(self, times: FloatArray) -> FloatArray:
+        """Return by how much the gap at each time depends on each knot, shape (knots, n)."""
+        spacing = self.knots[1] - self.knots[0]
+        distance = np.abs(times[None, :] - self.knots[:, None]) / spacing
+        return np.maximum(1.0 - distance, 0.0)
+
+
+@lru_cache(maxsize=64)
+def _block_model(
+    structure: StructureParameters, sample_time: float, block: int
+) -> tuple[FloatArray, StructureStep]:
+    """Return the model of a structure from block to block.
+
+    Returns
+    -------
+    start : ndarray, shape (4, 4)
+        Map from a state to its mean over the block that begins with it.
+    step : StructureStep
+        Discrete model whose sample is a block.
+    """
+    one_sample = np.array([row[:4] for row in discretize_structure(structure, sample_time)])
+    power, total = np.eye(4), np.zeros((4, 4))
+    for _ in range(block):
+        total += power
+        power = one_sample @ power
+    return total / block, discretize_structure(structure, block * sample_time)
