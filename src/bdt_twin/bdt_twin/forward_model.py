@@ -6,6 +6,7 @@ that time: between contacts nothing depends on the gap.
 """
 
 from functools import cache
+from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -143,9 +144,10 @@ def initial_state(structure: StructureState, lag: float, voltage: float, back_em
 def compiled_window() -> Any:
     """Return the loop over the samples of a window, compiled."""
 
-    def types() -> Any:
-        from numba import types, typeof  # noqa: PLC0415  (absent on many a small computer)
-
+    def signature() -> Any:
+        # Imported here, because it is absent on many a small computer.
+        numba = import_module("numba")
+        types, typeof = numba.types, numba.typeof
         given = types.Array(types.float64, 1, "C", readonly=True)
         signal = types.Array(types.float64, 1, "C")
         return (
@@ -159,21 +161,22 @@ def compiled_window() -> Any:
             types.Array(types.int64, 1, "C"),
         )
 
-    return compile_with_steps(_window_loop, [plant_step], types)
+    return compile_with_steps(_window_loop, [plant_step], signature)
 
 
 @cache
 def compiled_structure() -> Any:
     """Return the loop over the instants of :func:`run_structure`, compiled."""
 
-    def types() -> Any:
-        from numba import types, typeof  # noqa: PLC0415  (absent on many a small computer)
-
+    def signature() -> Any:
+        # Imported here, because it is absent on many a small computer.
+        numba = import_module("numba")
+        types, typeof = numba.types, numba.typeof
         given = types.Array(types.float64, 1, "C", readonly=True)
         signal = types.Array(types.float64, 1, "C")
         return typeof(_model_step().structure), typeof(AT_REST.structure), given, signal
 
-    return compile_with_steps(_structure_loop, [structure_step], types)
+    return compile_with_steps(_structure_loop, [structure_step], signature)
 
 
 def _model_step() -> PlantStep:

@@ -1,4 +1,9 @@
-"""Estimator of the backlash gap by output error: the forward model fitted to the newest window."""
+"""Estimator of the backlash gap by output error: the forward model fitted to the newest window.
+
+Voltage -> motor -> play -> structure is simulated with the plant's own step functions, and its
+unknowns are chosen such that the simulated position is the measured one. Nothing is
+differentiated, so noise on the position does little harm.
+"""
 
 import math
 from dataclasses import dataclass
@@ -11,34 +16,83 @@ from bdt_twin.estimator import Estimate
 from bdt_twin.forward_model import SMALLEST_TRAVEL, compiled_structure, compiled_window
 from bdt_twin.output_error_fit import Fit, WindowFit
 from bdt_twin.output_error_settings import OutputErrorSettings
+from bdt_twin.saturation import turned_while_stuck
 from bdt_twin.telemetry_window import TelemetryWindow
-from bdt_twin.window_model import BEGINNING, FACTORS, Stretch, Unknowns, WindowModel
+from bdt_twin.window_model import BEGINNING, FACTORS, Unknowns, WindowModel
 
 FloatArray = NDArray[np.float64]
 
 FIRST_GAPS = (2.0, 8.0, 16.0, 28.0)
 """Gaps from which a fit without a predecessor begins [deg]."""
-ITERATIONS = 15
-MISFIT = 0.05
+ROUGH, FINE = 6, 15
+"""Largest numbers of steps of a fit to choose a beginning by, and of one that counts."""
+WORSE = 2.0
+"""Growth of the residual from window to window that makes the fit begin anew."""
+MISFIT = 0.02
 """Share of the position's motion that the residual may have in a window that is explained."""
+STUCK = 2.0
+"""Angle by which the motor may turn, beside twice the gap, while the position is stuck [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
-class _Learned:
+class Lesson:
+    """The last window that taught something.
+
+    Attributes
+    ----------
+    window : WindowModel
+        Model and data.
+    fit : Fit
+        The model fitted to the data.
+    estimate : Estimate
+        What it taught.
+    growth_uncertainty : float
+        Standard uncertainty of the estimate's growth [rad/s].
+    """
+
+    window: WindowModel
     fit: Fit
-    knots: FloatArray
-    stretches: list[Stretch]
     estimate: Estimate
     growth_uncertainty: float
 
 
 class OutputErrorEstimator:
+    """Fits the forward model to the newest window of telemetry, once in each update period.
+
+    An estimate states the gap at the last reversal of the screw: later samples tell nothing about
+    the gap until the screw reverses again. Its time is that of this reversal, when the screw began
+    to move the other way, so the gap at another time is ``gap + growth * (time - estimate.time)``.
+    A window that teaches nothing repeats the last estimate for the end of the window, with an
+    uncertainty that covers what the gap may have grown by then.
+
+    A missing batch leaves a hole. The stretches of data on its sides are fitted together, each
+    with a beginning of its own, because what the motor did in between is unknown; those shorter
+    than ``shortest_stretch`` are left out, because their beginning takes all they tell. Samples
+    that are far off the others around are left out, too.
+
+    Windows end with samples whose number, the time times the sampling rate, is a multiple of the
+    update period. So the estimates do not depend on how the telemetry is split into batches.
+
+    Parameters
+    ----------
+    model : PlantModel
+        Constants of the mechanism, as the twin knows them. The gain of the motor and the
+        structure's k/m and c/m are corrected by factors that are fitted, too.
+    settings : OutputErrorSettings
+        Settings of the estimator.
+
+    Attributes
+    ----------
+    lesson : Lesson or None
+        The last window that taught something, for those who want to know more than the estimate.
+    """
+
     def __init__(self, model: PlantModel, settings: OutputErrorSettings) -> None:
         self._model, self._settings = model, settings
         rate = settings.sampling_rate
         self._period = round(settings.update_period * rate)
-        self._length = round(settings.window * rate)
-        self._window = TelemetryWindow(rate, self._length)
+        self._window = TelemetryWindow(rate, round(settings.window * rate))
+        # Whatever is not in numba's cache is compiled now, not when the first batch waits.
         compiled_window()
         compiled_structure()
         self.restart()
@@ -46,140 +100,176 @@ class OutputErrorEstimator:
     def restart(self) -> None:
         """Forget everything: another run begins."""
         self._window.restart()
-        self._learned: _Learned | None = None
+        self.lesson: Lesson | None = None
 
     def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
-        end = self._window.end
-        try:
-            numbers = self._window.append(batch)
-        finally:
-            if end is not None and self._window.end is None:
-                self._learned = None
-        # A window ends with the sample whose number is a multiple of the period.
-        first = -(-numbers.start // self._period) * self._period
-        due = list(range(first, numbers.stop, self._period))
-        if newest_only:
-            due = due[-1:]
+        """Take the next batch.
+
+        Parameters
+        ----------
+        batch : ndarray, shape (n, 3)
+            Telemetry rows (t [s], u [V], q3 [m]), oldest first, one sample time apart.
+        newest_only : bool
+            Let all windows go but the newest that ends within the batch. This is for those who
+            are behind; the estimates then depend on the batches a little, because each fit begins
+            where the last one ended.
+
+        Returns
+        -------
+        Estimate or None
+            The estimate from the newest window that ended within the batch; None if none did.
+
+        Raises
+        ------
+        TelemetryRejectedError
+            For a batch that is empty, not finite, not sampled at the sampling rate, or going back
+            in time. Time that goes back restarts the estimator; any other rejected batch leaves a
+            hole.
+        """
+        numbers = self._append(batch)
+        due = range(-(-numbers.start // self._period) * self._period, numbers.stop, self._period)
         estimate = None
-        for newest in due:
+        for newest in due[-1:] if newest_only else due:
             estimate = self._estimate(newest)
         self._window.forget(numbers.stop)
         return estimate
 
+    def _append(self, batch: FloatArray) -> range:
+        try:
+            return self._window.append(batch)
+        finally:
+            # The window forgets itself when time goes back.
+            if self._window.end is None:
+                self.lesson = None
+
     def _estimate(self, newest: int) -> Estimate:
-        chosen = self._settings
-        rate = chosen.sampling_rate
-        time = self._window.time(newest)
+        """Return the estimate from the window whose last sample has the number `newest`."""
+        chosen, time = self._settings, self._window.time(newest)
+        rate, spacing = chosen.sampling_rate, chosen.knot_spacing
         shortest = round(chosen.shortest_stretch * rate)
         stretches = self._window.stretches(newest + 1, shortest, chosen.block)
         if not stretches:
-            return self._kept(
-                time, f"less than {chosen.shortest_stretch:g} s of data without a hole"
-            )
-        if not any(s.voltage.any() for s in stretches):
+            return self._kept(time, f"no {chosen.shortest_stretch:g} s of data without a hole")
+        if not any(stretch.voltage.any() for stretch in stretches):
             return self._kept(time, "the motor does not move")
-        spacing = chosen.knot_spacing
-        first = math.floor(stretches[0].first / rate / spacing)
-        last = math.ceil((newest + 1) / rate / spacing)
-        knots = spacing * np.arange(first, last + 1)
+        known = 0.0 if self.lesson is None else self.lesson.estimate.gap
+        per_volt = 1.0 / (rate * self._model.motor.back_emf_constant)
+        if any(
+            turned_while_stuck(stretch.voltage, stretch.position, per_volt) > STUCK + 2.0 * known
+            for stretch in stretches
+        ):
+            return self._kept(time, "the position is stuck at its extreme while the motor turns")
+        numbers = np.arange(
+            math.floor(stretches[0].first / rate / spacing),
+            math.ceil((newest + 1) / rate / spacing) + 1,
+        )
+        knots: FloatArray = spacing * numbers.astype(np.float64)
         window = WindowModel(self._model, stretches, knots, rate, chosen.block)
-        fit = self._fit(window)
-        return self._judge(fit, window, newest, time)
+        return self._judge(window, self._fit(window), newest)
 
     def _fit(self, window: WindowModel) -> Fit:
+        """Fit a window, beginning with the last fit if it still describes the data."""
         problem = WindowFit(window, self._settings.growth_change)
-        last = self._learned
-        if last is not None:
-            fit = problem.solve(self._follow(window, last), ITERATIONS)
-            if fit.noise <= 2.0 * last.fit.noise + 1e-9:
-                return fit
-            fits = [fit]
-        else:
-            fits = []
+        followed = None
+        if self.lesson is not None:
+            followed = problem.solve(self._followed(window, self.lesson), FINE)
+            if followed.noise <= WORSE * self.lesson.fit.noise:
+                return followed
+        rough = []
         for gap in FIRST_GAPS:
-            beginnings = np.zeros((len(window.stretches), len(BEGINNING)))
-            beginnings[:, 1] = [s.position[0] for s in window.stretches]
             gaps = np.full(window.knots.size, math.radians(gap))
-            fits.append(
-                problem.solve(Unknowns(gaps, np.zeros(len(FACTORS)), beginnings), ITERATIONS)
-            )
-        return min(fits, key=lambda fit: fit.noise)
+            first = Unknowns(gaps, np.zeros(len(FACTORS)), _beginnings(window))
+            rough.append(problem.solve(first, ROUGH))
+        best = min(rough, key=lambda fit: fit.noise)
+        if followed is not None and followed.noise <= best.noise:
+            return followed
+        return problem.solve(best.unknowns, FINE)
 
-    def _follow(self, window: WindowModel, last: _Learned) -> Unknowns:
-        rate = self._settings.sampling_rate
-        gaps = np.interp(window.knots, last.knots, last.fit.unknowns.gaps)
-        after = window.knots > last.knots[-1]
-        gaps[after] += last.estimate.growth * (window.knots[after] - last.knots[-1])
+    def _followed(self, window: WindowModel, last: Lesson) -> Unknowns:
+        """Return the unknowns that the last fit predicts for a window."""
+        before, fit, knots = last.window, last.fit, window.knots
+        beyond = np.maximum(knots - before.knots[-1], 0.0)
+        gaps = np.interp(knots, before.knots, fit.unknowns.gaps) + last.estimate.growth * beyond
         gaps = np.maximum(gaps, 0.0)
-        beginnings = np.zeros((len(window.stretches), len(BEGINNING)))
+        beginnings = _beginnings(window)
         for beginning, stretch in zip(beginnings, window.stretches, strict=True):
-            beginning[1] = stretch.position[0]
-            gap = float(np.interp(stretch.first / rate, window.knots, gaps))
-            for before, run in zip(last.stretches, last.fit.runs, strict=True):
-                index = stretch.first - before.first
-                if 0 <= index < run.lag.size and gap > 0:
-                    beginning[0] = np.clip(run.lag[index] / (0.5 * gap), -1.0, 1.0)
-        return Unknowns(gaps, last.fit.unknowns.factors, beginnings)
+            half = 0.5 * float(np.interp(stretch.first / self._settings.sampling_rate, knots, gaps))
+            for old, run in zip(before.stretches, fit.runs, strict=True):
+                sample = stretch.first - old.first
+                if 0 <= sample < run.lag.size and half > 0.0:
+                    beginning[0] = min(max(run.lag[sample] / half, -1.0), 1.0)
+        return Unknowns(gaps, fit.unknowns.factors, beginnings)
 
-    def _judge(self, fit: Fit, window: WindowModel, newest: int, time: float) -> Estimate:
-        rate = self._settings.sampling_rate
-        travel = sum(run.travel for run in fit.runs)
-        if travel < SMALLEST_TRAVEL:
+    def _judge(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
+        """Return what a fit teaches, or the last estimate with the reason why it does not."""
+        chosen, time = self._settings, self._window.time(newest)
+        pairs = list(zip(window.stretches, fit.runs, strict=True))
+        reversals = [stretch.first + sample for stretch, run in pairs for sample in run.reversals]
+        motion = max(float(np.std(run.position)) for run in fit.runs)
+        if sum(run.travel for run in fit.runs) < SMALLEST_TRAVEL:
             return self._kept(time, "the lead screw does not move")
-        reversals = [
-            stretch.first + sample
-            for stretch, run in zip(window.stretches, fit.runs, strict=True)
-            for sample in run.reversals
-        ]
         if not reversals:
             return self._kept(time, "the lead screw does not reverse")
-        motion = float(np.std(np.concatenate([run.position for run in fit.runs])))
         if fit.noise > MISFIT * motion:
             return self._kept(
                 time,
-                f"the model leaves {1e6 * fit.noise:.3g} um of {1e6 * motion:.3g} um of motion",
+                f"the model does not explain {1e6 * fit.noise:.3g} um "
+                f"of a motion of {1e6 * motion:.3g} um",
             )
-        covariance = np.linalg.inv(fit.information)[: window.knots.size, : window.knots.size]
-        at = reversals[-1] / rate
-        weights = window.weights(
-            np.array([at, at - 2 * self._settings.knot_spacing]).clip(window.knots[0])
-        )
-        gap = float(weights[:, 0] @ fit.unknowns.gaps)
-        uncertainty = math.hypot(
-            math.sqrt(weights[:, 0] @ covariance @ weights[:, 0]),
-            _bend(fit.unknowns.gaps, int((at - window.knots[0]) / self._settings.knot_spacing)),
-        )
-        if uncertainty > self._settings.largest_uncertainty:
-            return self._kept(time, "the data do not tell the gap")
-        slope = (weights[:, 0] - weights[:, 1]) / (2 * self._settings.knot_spacing)
-        estimate = Estimate(
-            self._window.time(newest) - (newest - reversals[-1]) / rate,
-            gap,
-            uncertainty,
-            float(slope @ fit.unknowns.gaps),
-            math.exp(fit.unknowns.factors[0]),
-            len(reversals),
-        )
-        self._learned = _Learned(
-            fit, window.knots, window.stretches, estimate, math.sqrt(slope @ covariance @ slope)
-        )
+        # Telemetry may be stamped anywhere between two multiples of the sample time.
+        at = reversals[-1] / chosen.sampling_rate
+        stamp = time - (newest - reversals[-1]) / chosen.sampling_rate
+        gap, uncertainty = _gap_at(window, fit, at)
+        if uncertainty > chosen.largest_uncertainty:
+            return self._kept(
+                time, f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
+            )
+        growth, growth_uncertainty = _growth_at(window, fit, at)
+        gain = math.exp(fit.unknowns.factors[FACTORS.index("gain")])
+        estimate = Estimate(stamp, gap, uncertainty, growth, gain, len(reversals))
+        self.lesson = Lesson(window, fit, estimate, growth_uncertainty)
         return estimate
 
     def _kept(self, time: float, reason: str) -> Estimate:
-        if self._learned is None:
+        """Return the last estimate for `time`, as unsure as it is by then."""
+        if self.lesson is None:
             return Estimate(time, math.nan, math.inf, reason=reason)
-        last = self._learned.estimate
+        last = self.lesson.estimate
         age = time - last.time
-        grown = math.hypot(
+        uncertainty = math.hypot(
             last.uncertainty,
             age * last.growth,
-            age * self._learned.growth_uncertainty,
+            age * self.lesson.growth_uncertainty,
             self._settings.growth_change * math.sqrt(age**3 / 3),
         )
-        return last._replace(time=time, uncertainty=grown, reason=reason)
+        return last._replace(time=time, uncertainty=uncertainty, reason=reason)
 
 
-def _bend(gaps: FloatArray, knot: int) -> float:
-    """Return by how much the gap may be off a straight line between the knots `knot` and next."""
+def _gap_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
+    """Return the gap at a time and its standard uncertainty [rad]."""
+    gaps, knots = fit.unknowns.gaps, window.knots
+    weights = window.weights(np.array([at]))[:, 0]
+    # Where growth changes between two knots, the gap is off the straight line between them by up
+    # to an eighth of the change per spacing; the changes found nearby tell how much.
+    knot = int(np.searchsorted(knots, at, side="right")) - 1
     changes = np.abs(np.diff(gaps, 2))[max(knot - 2, 0) : knot + 1]
-    return float(changes.max()) / 8 if changes.size else 0.0
+    bend = float(changes.max(initial=0.0)) / 8
+    uncertainty = math.hypot(math.sqrt(float(weights @ fit.covariance @ weights)), bend)
+    return float(weights @ gaps), uncertainty
+
+
+def _growth_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
+    """Return the growth rate over two knots before a time and its uncertainty [rad/s]."""
+    spacing = float(window.knots[1] - window.knots[0])
+    before = max(at - 2 * spacing, float(window.knots[0]))
+    after = max(at, before + spacing)
+    weights = window.weights(np.array([before, after])) @ np.array([-1.0, 1.0]) / (after - before)
+    uncertainty = math.sqrt(float(weights @ fit.covariance @ weights))
+    return float(weights @ fit.unknowns.gaps), uncertainty
+
+
+def _beginnings(window: WindowModel) -> FloatArray:
+    """Return the beginnings of stretches at rest, the motor in the middle of the gap."""
+    beginnings = np.zeros((len(window.stretches), len(BEGINNING)))
+    beginnings[:, BEGINNING.index("offset")] = [stretch.position[0] for stretch in window.stretches]
+    return beginnings

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_twin.block_residual import BlockResidual, correlated_blocks
+from bdt_twin.cramer_rao import information_of
 from bdt_twin.forward_model import WindowRun
 from bdt_twin.window_model import BEGINNING, FACTORS, Unknowns, WindowModel
 
@@ -18,10 +20,20 @@ FROM_MAD = 1.4826
 """Standard deviation of normal noise over its median absolute deviation."""
 HUBER = 3.0
 """Standard deviations beyond which the residual of a block counts linearly."""
+
+GAP_SPREAD = 10.0
+"""Prior standard deviation of the gap [rad]: none, but a knot without data stays finite."""
+GROWTH_SPREAD = math.radians(10.0)
+"""Prior standard deviation of the mean growth rate [rad/s]."""
 FACTOR_SPREAD = (0.3, 0.2, 0.7)
 """Prior standard deviations of the logarithms of ``FACTORS``."""
-PATIENCE = 4
-"""Halvings of a step that makes the fit worse."""
+SHARE_SPREAD = 1.0
+"""Prior standard deviation of where in the gap the motor begins."""
+
+HALVINGS = 3
+"""Halvings of a step that makes the fit worse, before the fit ends."""
+SMALLEST_GAIN = 0.02
+"""Gain of log-likelihood by a step that ends the fit; a half is one standard deviation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,198 +46,141 @@ class Fit:
         Where the fit ended.
     runs : list of WindowRun
         The simulation there.
-    residual : ndarray, shape (blocks,)
-        Mean measured less simulated position [m]; zero where a block has no sample to use.
     noise : float
-        Standard deviation of the residual, robust [m].
-    correlation : float
-        Blocks that the residual takes to change: by how much its mean is less sure than that of
-        white noise.
-    information : ndarray, shape (unknowns, unknowns)
-        Inverse covariance of the unknowns, prior included.
-    cost : float
-        Mean Huber loss per block [m^2].
+        Standard deviation of the residual's block means, without outliers [m].
+    covariance : ndarray, shape (knots, knots)
+        Covariance of the gap at the knots [rad^2].
     iterations : int
-        Steps taken.
+        Steps tried.
     """
 
     unknowns: Unknowns
     runs: list[WindowRun]
-    residual: FloatArray
     noise: float
-    correlation: float
-    information: FloatArray
-    cost: float
+    covariance: FloatArray
     iterations: int
 
 
 class _Point(NamedTuple):
+    """Unknowns with their simulation and residual."""
+
     unknowns: Unknowns
     runs: list[WindowRun]
     residual: FloatArray
 
 
 class WindowFit:
+    """The least-squares problem of one window.
+
+    Minimizes Huber's loss of the residual together with a weak prior, whose part that matters
+    says that the growth rate of the gap does a random walk. The steps are Gauss and Newton's.
+
+    Parameters
+    ----------
+    window : WindowModel
+        Model and data.
+    growth_change : float
+        Standard deviation of the growth rate's change after one second [rad/s^1.5].
+    """
+
     def __init__(self, window: WindowModel, growth_change: float) -> None:
         self._window = window
-        self._means = _BlockMeans(window)
-        knots = window.knots
-        self._prior = _gap_prior(knots, growth_change)
+        positions = [stretch.position for stretch in window.stretches]
+        self._residual = BlockResidual(positions, window.block)
+        self._prior = _prior(window.knots, growth_change, len(positions))
 
-    def solve(self, unknowns: Unknowns, iterations: int, tolerance: float = 0.02) -> Fit:
+    def solve(self, unknowns: Unknowns, iterations: int) -> Fit:
+        """Return the fit that begins at `unknowns`, after at most `iterations` steps."""
         point = self._at(unknowns)
-        noise = math.inf
+        iteration = 0
         for iteration in range(1, iterations + 1):
-            slopes = self._window.slopes(point.unknowns, point.runs)
-            settled = max(SMALLEST_NOISE, FROM_MAD * float(np.median(np.abs(point.residual))))
-            rms = float(np.sqrt(np.mean(point.residual**2)))
+            settled = _noise(point.residual)
+            # A model that is still wrong is wrong in the transients only, which are not outliers.
+            rms = math.sqrt(float(np.mean(point.residual**2)))
             noise = max(settled, rms / 2**iteration)
-            weights = self._weights(point.residual, noise)
-            prior, pull = self._prior_at(point.unknowns)
-            information = _product(slopes, weights / noise**2) + prior
-            gradient = np.einsum("ik,k->i", slopes, weights * point.residual / noise**2) + pull
-            step = _solve(information, gradient)
-            before = self._cost(point, noise)
-            after = before
+            step = self._step(point, noise)
             vector = point.unknowns.as_vector()
-            for _ in range(PATIENCE):
+            before, after = self._cost(point, noise), math.inf
+            for _ in range(1 + HALVINGS):
                 trial = self._at(point.unknowns.from_vector(vector + step))
                 after = self._cost(trial, noise)
-                if after <= before * (1 + 1e-9):
+                if after <= before:
                     break
                 step = 0.5 * step
-            else:
+            if after > before:
                 break
             point = trial
-            if noise <= 1.2 * settled and before - after < tolerance * (1.0 + 1e-4 * before):
+            if noise < 1.2 * settled and before - after < SMALLEST_GAIN + 1e-4 * before:
                 break
-        return self._finish(point, iteration)
-
-    def _finish(self, point, iteration):
-        slopes = self._window.slopes(point.unknowns, point.runs)
-        noise = max(SMALLEST_NOISE, FROM_MAD * float(np.median(np.abs(point.residual))))
-        weights = self._weights(point.residual, noise)
-        prior, _ = self._prior_at(point.unknowns)
-        bounded = np.clip(point.residual, -HUBER * noise, HUBER * noise)
-        spread = float(np.mean(bounded**2))
-        correlation = _correlation(bounded)
-        information = (
-            _product(slopes, weights / (max(spread, SMALLEST_NOISE**2) * correlation)) + prior
-        )
-        return Fit(
-            point.unknowns,
-            point.runs,
-            point.residual,
-            math.sqrt(spread),
-            correlation,
-            information,
-            self._loss(point.residual, noise).mean() * noise**2,
-            iteration,
-        )
+        return self._result(point, iteration)
 
     def _at(self, unknowns: Unknowns) -> _Point:
         runs = self._window.run(unknowns)
-        return _Point(unknowns, runs, self._means.residual(runs))
+        return _Point(unknowns, runs, self._residual.means([run.position for run in runs]))
 
-    def _loss(self, residual, noise):
-        size = np.abs(residual) / noise
-        return np.where(size <= HUBER, 0.5 * size**2, HUBER * (size - 0.5 * HUBER))
+    def _step(self, point: _Point, noise: float) -> FloatArray:
+        slopes = self._window.slopes(point.unknowns, point.runs)
+        weights = self._weights(point.residual, noise) / noise**2
+        pull = np.einsum("ik,k->i", slopes, weights * point.residual)
+        information = information_of(slopes, weights) + self._prior
+        scale = 1.0 / np.sqrt(np.diag(information))
+        gradient = pull - self._prior @ point.unknowns.as_vector()
+        step: FloatArray = scale * np.linalg.solve(
+            information * np.outer(scale, scale) + 1e-12 * np.eye(scale.size), scale * gradient
+        )
+        return step
 
-    def _weights(self, residual, noise):
-        size = np.abs(residual) / noise
-        return self._means.used * np.minimum(1.0, HUBER / np.maximum(size, HUBER))
+    def _weights(self, residual: FloatArray, noise: float) -> FloatArray:
+        """Return the weights of the blocks that make squares out of Huber's loss."""
+        bounded = np.maximum(np.abs(residual), HUBER * noise)
+        weights: FloatArray = self._residual.used * HUBER * noise / bounded
+        return weights
 
     def _cost(self, point: _Point, noise: float) -> float:
+        """Return the negative log-likelihood of unknowns and data, but for a constant."""
+        size = np.abs(point.residual) / noise
+        loss = np.where(size <= HUBER, 0.5 * size**2, HUBER * (size - 0.5 * HUBER))
         vector = point.unknowns.as_vector()
-        information, _ = self._prior_at(point.unknowns)
-        centre = self._centre(point.unknowns)
-        off = vector - centre
-        return float(self._loss(point.residual, noise).sum() + 0.5 * off @ information @ off)
+        return float(loss.sum()) + 0.5 * float(vector @ self._prior @ vector)
 
-    def _centre(self, unknowns):
-        return np.zeros(unknowns.as_vector().size)
-
-    def _prior_at(self, unknowns: Unknowns):
-        size, knots = unknowns.as_vector().size, unknowns.gaps.size
-        prior = np.zeros((size, size))
-        prior[:knots, :knots] = self._prior
-        for n, s in enumerate(FACTOR_SPREAD):
-            prior[knots + n, knots + n] = s**-2
-        for n in range(unknowns.beginnings.shape[0]):
-            i = knots + len(FACTORS) + len(BEGINNING) * n
-            prior[i, i] = 1.0
-        return prior, -prior @ unknowns.as_vector()
-
-
-class _BlockMeans:
-    def __init__(self, window: WindowModel) -> None:
-        self._window = window
-        self._good: list[FloatArray] | None = None
-        self.used = 1.0
-
-    def residual(self, runs):
-        block = self._window.block
-        full = [
-            (s.position - r.position).reshape(-1, block)
-            for s, r in zip(self._window.stretches, runs, strict=True)
-        ]
-        if self._good is None:
-            self._good = [_good(f) for f in full]
-            counts = np.concatenate([g.sum(axis=1) for g in self._good])
-            self.used = (counts >= 0.5 * block).astype(float)
-            self._scale = self.used / np.maximum(counts, 1)
-            self._all = all(g.all() for g in self._good)
-        if self._all:
-            return np.concatenate([f.mean(axis=1) for f in full])
-        sums = np.concatenate(
-            [np.einsum("ij,ij->i", f, g) for f, g in zip(full, self._good, strict=True)]
+    def _result(self, point: _Point, iterations: int) -> Fit:
+        noise = _noise(point.residual)
+        bounded = np.clip(point.residual, -HUBER * noise, HUBER * noise)
+        blocks = max(float(self._residual.used.sum()), 1.0)
+        variance = max(float(bounded @ bounded) / blocks, SMALLEST_NOISE**2)
+        slopes = self._window.slopes(point.unknowns, point.runs)
+        weights = self._weights(point.residual, noise) / variance
+        # A residual that is not white says less than its samples are many.
+        weights /= correlated_blocks(bounded, self._window.block_rate)
+        information = information_of(slopes, weights) + self._prior
+        covariance: FloatArray = np.linalg.inv(information).astype(np.float64)
+        knots = self._window.knots.size
+        return Fit(
+            point.unknowns,
+            point.runs,
+            math.sqrt(variance),
+            covariance[:knots, :knots],
+            iterations,
         )
-        return sums * self._scale
 
 
-def _good(residual):
-    if residual.shape[1] < 5:
-        return np.ones(residual.shape)
-    middle = np.median(residual, axis=1, keepdims=True)
-    off = np.abs(residual - middle)
-    spread = np.median(off, axis=1, keepdims=True)
-    steps = np.abs(np.diff(residual.ravel()))
-    return (off <= 12 * np.maximum(spread, spread.mean()) + 1e-12).astype(float)
+def _noise(residual: FloatArray) -> float:
+    """Return the standard deviation of a residual, whatever the outliers [m]."""
+    return max(SMALLEST_NOISE, FROM_MAD * float(np.median(np.abs(residual))))
 
 
-def _gap_prior(knots, growth_change):
-    n, spacing = knots.size, knots[1] - knots[0]
-    prior = np.eye(n) * 10.0**-2
-    first = np.diff(np.eye(n), axis=0) / spacing
-    prior += first.T @ first * math.radians(10.0) ** -2 / n
-    second = np.diff(first, axis=0)
-    prior += second.T @ second / (growth_change**2 * spacing)
+def _prior(knots: FloatArray, growth_change: float, stretches: int) -> FloatArray:
+    """Return the inverse covariance of the unknowns before any data; their means are zero."""
+    count, spacing = knots.size, float(knots[1] - knots[0])
+    growth = np.diff(np.eye(count), axis=0) / spacing
+    change = np.diff(growth, axis=0)
+    size = count + len(FACTORS) + len(BEGINNING) * stretches
+    prior = np.zeros((size, size))
+    prior[:count, :count] = np.eye(count) / GAP_SPREAD**2
+    prior[:count, :count] += growth.T @ growth / (GROWTH_SPREAD**2 * (count - 1))
+    prior[:count, :count] += change.T @ change / (growth_change**2 * spacing)
+    factors = np.arange(count, count + len(FACTORS))
+    prior[factors, factors] = 1.0 / np.square(FACTOR_SPREAD)
+    shares = np.arange(count + len(FACTORS), size, len(BEGINNING))
+    prior[shares, shares] = SHARE_SPREAD**-2
     return prior
-
-
-def _solve(information, gradient):
-    scale = 1 / np.sqrt(np.diag(information))
-    scaled = information * np.outer(scale, scale)
-    scaled += 1e-12 * np.eye(scale.size)
-    return scale * np.linalg.solve(scaled, scale * gradient)
-
-
-def _correlation(residual, longest=200):
-    n = residual.size
-    longest = min(longest, n // 4)
-    r = residual - 0
-    size = 1 << (2 * n - 1).bit_length()
-    spectrum = np.abs(np.fft.rfft(r, size)) ** 2
-    cov = np.fft.irfft(spectrum, size)[: longest + 1]
-    if cov[0] <= 0:
-        return 1.0
-    rho = cov[1:] / cov[0]
-    w = 1 - np.arange(1, longest + 1) / (longest + 1)
-    return max(1.0, 1 + 2 * float(w @ rho))
-
-
-def _product(slopes: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return slopes diag(weights) slopes^T."""
-    # BLAS would wake threads, which on a busy computer wait longer for each other than they work.
-    product: FloatArray = np.einsum("ik,jk->ij", slopes * weights, slopes)
-    return product

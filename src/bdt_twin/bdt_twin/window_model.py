@@ -110,6 +110,7 @@ class WindowModel:
         block: int,
     ) -> None:
         self.stretches, self.knots, self.block = stretches, knots, block
+        self.block_rate = sampling_rate / block
         self._model, self._rate = model, sampling_rate
         self._blocks = [stretch.voltage.size // block for stretch in stretches]
 
@@ -221,7 +222,8 @@ class WindowModel:
         """Return by how much the gap at each time depends on each knot, shape (knots, n)."""
         spacing = self.knots[1] - self.knots[0]
         distance = np.abs(times[None, :] - self.knots[:, None]) / spacing
-        return np.maximum(1.0 - distance, 0.0)
+        weights: FloatArray = np.maximum(1.0 - distance, 0.0)
+        return weights
 
 
 @lru_cache(maxsize=64)

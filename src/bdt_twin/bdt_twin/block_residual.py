@@ -1,0 +1,101 @@
+"""Residual of a fit as means over blocks of samples, without the samples that are outliers."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+OUTLIER = 12.0
+"""Median deviations from its block's median beyond which a sample is an outlier."""
+SMALLEST_SCREENED = 5
+"""Samples that a block must have for its median to tell outliers."""
+LONGEST_CORRELATION = 1.0
+"""Time over which the residual's correlation is summed [s]."""
+
+
+class BlockResidual:
+    """Means of measured less simulated positions.
+
+    Outliers are told from the rest of their block once, at the first simulation: within
+    milliseconds even a wrong model is off by nearly the same everywhere.
+
+    Parameters
+    ----------
+    positions : sequence of ndarray, each of shape (n,)
+        Measured position q3 of each stretch [m].
+    block : int
+        Samples in a block; divides each n.
+    """
+
+    def __init__(self, positions: Sequence[FloatArray], block: int) -> None:
+        self._positions, self._block = positions, block
+        self._good: list[FloatArray] | None = None
+        self.used = np.ones(sum(position.size for position in positions) // block)
+        """One for each block of which at least half of the samples are good, else zero."""
+
+    def means(self, simulated: Sequence[FloatArray]) -> FloatArray:
+        """Return the means [m], shape (blocks,); zero for a block that is not used.
+
+        Parameters
+        ----------
+        simulated : sequence of ndarray, each of shape (n,)
+            Simulated position of each stretch [m].
+        """
+        residuals = [
+            (measured - model).reshape(-1, self._block)
+            for measured, model in zip(self._positions, simulated, strict=True)
+        ]
+        if self._good is None:
+            self._good = [good_samples(residual) for residual in residuals]
+            counts = np.concatenate([good.sum(axis=1) for good in self._good])
+            self.used = (counts >= 0.5 * self._block).astype(np.float64)
+            self._share = self.used / np.maximum(counts, 1.0)
+        sums = [
+            np.einsum("ij,ij->i", residual, good)
+            for residual, good in zip(residuals, self._good, strict=True)
+        ]
+        means: FloatArray = np.concatenate(sums) * self._share
+        return means
+
+
+def good_samples(residual: FloatArray) -> FloatArray:
+    """Return one for each sample to use and zero for each outlier.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (blocks, samples)
+        Measured less simulated position [m].
+    """
+    if residual.shape[1] < SMALLEST_SCREENED:
+        return np.ones(residual.shape)
+    distance = np.abs(residual - np.median(residual, axis=1, keepdims=True))
+    spread = np.median(distance, axis=1, keepdims=True)
+    # Where the platform rests, a coarse sensor shows no spread at all.
+    allowed = OUTLIER * np.maximum(spread, spread.mean())
+    good: FloatArray = (distance <= allowed + np.finfo(np.float64).eps).astype(np.float64)
+    return good
+
+
+def correlated_blocks(residual: FloatArray, rate: float) -> float:
+    """Return by how many times the variance of a mean exceeds that of white noise, at least one.
+
+    The sum of the autocorrelation with Bartlett's weights (Newey and West, 1987): what is slow in
+    the residual is what the gap is confused with.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (blocks,)
+        Residual of each block.
+    rate : float
+        Blocks in a second [Hz].
+    """
+    longest = min(round(LONGEST_CORRELATION * rate), residual.size // 4)
+    size = 1 << (2 * residual.size - 1).bit_length()
+    spectrum = np.abs(np.fft.rfft(residual, size)) ** 2
+    covariance = np.fft.irfft(spectrum, size)[: longest + 1]
+    if covariance[0] <= 0:
+        return 1.0
+    weights = 1.0 - np.arange(1, longest + 1) / (longest + 1)
+    return max(1.0, 1.0 + 2.0 * float(weights @ covariance[1:]) / float(covariance[0]))
