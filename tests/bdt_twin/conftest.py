@@ -6,10 +6,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from bdt_bringup.simulation.closed_loop import Scenario, simulate
 from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.pid import PidGains
-from bdt_plant.gap_profile import GapProfile, gap_at
-from bdt_plant.plant import AT_REST, PlantModel, discretize_plant, plant_step
+from bdt_controller.reference import Reference
+from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
+from bdt_plant.plant import AT_REST, PlantModel, Sampling, discretize_plant, plant_step
 
 RATE, HOLD = 5000, 10
 
@@ -64,3 +66,42 @@ def growing_gap():
         ),
         duration,
     )
+
+
+class Loop(NamedTuple):
+    """Telemetry rows (t, u, q3) of a closed loop, and what only a simulator knows."""
+
+    rows: np.ndarray
+    theta_d: np.ndarray
+    gaps: np.ndarray
+
+
+@cache
+def simulate_loop(profile, duration, rate, dead_zone_degrees, step_time, model):
+    """Simulate 5 mm steps; see the fixture `closed_loop`."""
+    scenario = Scenario(
+        duration=duration,
+        reference=Reference(step_time=step_time),
+        gap=profile,
+        dead_zone=1e-3 * dead_zone_degrees / 360,
+        model=model,
+        sampling=Sampling(sampling_rate=rate),
+    )
+    loop = simulate(scenario, keep=("u", "q3", "theta_d"))
+    return Loop(
+        np.column_stack([loop.t, loop.u, loop.q3]), loop.theta_d, gaps_at(profile, loop.t)
+    )
+
+
+@pytest.fixture
+def closed_loop():
+    """Simulate the loop for a gap [deg] or its profile, the same telemetry at any sampling rate."""
+
+    def simulated(
+        gap=10.0, duration=12.0, rate=1000.0, dead_zone=10.0, step_time=3.0, model=PlantModel()
+    ):
+        if not isinstance(gap, GapProfile):
+            gap = GapProfile(kind="constant", initial=float(np.deg2rad(gap)))
+        return simulate_loop(gap, duration, rate, dead_zone, step_time, model)
+
+    return simulated

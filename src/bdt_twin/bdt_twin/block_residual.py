@@ -32,11 +32,9 @@ class BlockResidual:
     def __init__(self, positions: Sequence[FloatArray], block: int) -> None:
         self._positions, self._block = positions, block
         self._good: list[FloatArray] | None = None
-        self.used = np.ones(sum(position.size for position in positions) // block)
-        """One for each block of which at least half of the samples are good, else zero."""
 
     def means(self, simulated: Sequence[FloatArray]) -> FloatArray:
-        """Return the means [m], shape (blocks,); zero for a block that is not used.
+        """Return the means [m], shape (blocks,).
 
         Parameters
         ----------
@@ -49,9 +47,7 @@ class BlockResidual:
         ]
         if self._good is None:
             self._good = [good_samples(residual) for residual in residuals]
-            counts = np.concatenate([good.sum(axis=1) for good in self._good])
-            self.used = (counts >= 0.5 * self._block).astype(np.float64)
-            self._share = self.used / np.maximum(counts, 1.0)
+            self._share = 1.0 / np.concatenate([good.sum(axis=1) for good in self._good])
         sums = [
             np.einsum("ij,ij->i", residual, good)
             for residual, good in zip(residuals, self._good, strict=True)
@@ -61,7 +57,7 @@ class BlockResidual:
 
 
 def good_samples(residual: FloatArray) -> FloatArray:
-    """Return one for each sample to use and zero for each outlier.
+    """Return one for each sample to use and zero for each outlier; half a block is good at least.
 
     Parameters
     ----------

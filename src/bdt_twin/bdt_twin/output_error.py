@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 
 FIRST_GAPS = (2.0, 8.0, 16.0, 28.0)
 """Gaps from which a fit without a predecessor begins [deg]."""
-ROUGH, FINE = 6, 15
+ROUGH, FINE = 6, 10
 """Largest numbers of steps of a fit to choose a beginning by, and of one that counts."""
 WORSE = 2.0
 """Growth of the residual from window to window that makes the fit begin anew."""

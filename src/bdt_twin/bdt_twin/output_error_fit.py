@@ -30,6 +30,9 @@ FACTOR_SPREAD = (0.3, 0.2, 0.7)
 SHARE_SPREAD = 1.0
 """Prior standard deviation of where in the gap the motor begins."""
 
+CHANGE_FREEDOM = 2.0
+"""Degrees of freedom of Student's distribution, of which growth changes are: few are large."""
+
 HALVINGS = 3
 """Halvings of a step that makes the fit worse, before the fit ends."""
 SMALLEST_GAIN = 0.02
@@ -72,22 +75,27 @@ class _Point(NamedTuple):
 class WindowFit:
     """The least-squares problem of one window.
 
-    Minimizes Huber's loss of the residual together with a weak prior, whose part that matters
-    says that the growth rate of the gap does a random walk. The steps are Gauss and Newton's.
+    Minimizes Huber's loss of the residual together with a weak prior. The part of it that matters
+    says that the gap grows evenly, but for changes from knot to knot that have Student's
+    distribution: what wear does little by little costs little, and a kink is not smeared over the
+    window. The steps are Gauss and Newton's.
 
     Parameters
     ----------
     window : WindowModel
         Model and data.
     growth_change : float
-        Standard deviation of the growth rate's change after one second [rad/s^1.5].
+        Scale of the growth rate's change in one second [rad/s^1.5].
     """
 
     def __init__(self, window: WindowModel, growth_change: float) -> None:
         self._window = window
         positions = [stretch.position for stretch in window.stretches]
         self._residual = BlockResidual(positions, window.block)
-        self._prior = _prior(window.knots, growth_change, len(positions))
+        self._prior = _prior(window.knots, len(positions))
+        count, spacing = window.knots.size, float(window.knots[1] - window.knots[0])
+        # Changes of growth at the knots, in multiples of their scale.
+        self._changes = np.diff(np.eye(count), 2, axis=0) / (growth_change * spacing**1.5)
 
     def solve(self, unknowns: Unknowns, iterations: int) -> Fit:
         """Return the fit that begins at `unknowns`, after at most `iterations` steps."""
@@ -122,9 +130,10 @@ class WindowFit:
         slopes = self._window.slopes(point.unknowns, point.runs)
         weights = self._weights(point.residual, noise) / noise**2
         pull = np.einsum("ik,k->i", slopes, weights * point.residual)
-        information = information_of(slopes, weights) + self._prior
+        prior = self._prior_at(point.unknowns)
+        information = information_of(slopes, weights) + prior
         scale = 1.0 / np.sqrt(np.diag(information))
-        gradient = pull - self._prior @ point.unknowns.as_vector()
+        gradient = pull - prior @ point.unknowns.as_vector()
         step: FloatArray = scale * np.linalg.solve(
             information * np.outer(scale, scale) + 1e-12 * np.eye(scale.size), scale * gradient
         )
@@ -133,7 +142,7 @@ class WindowFit:
     def _weights(self, residual: FloatArray, noise: float) -> FloatArray:
         """Return the weights of the blocks that make squares out of Huber's loss."""
         bounded = np.maximum(np.abs(residual), HUBER * noise)
-        weights: FloatArray = self._residual.used * HUBER * noise / bounded
+        weights: FloatArray = HUBER * noise / bounded
         return weights
 
     def _cost(self, point: _Point, noise: float) -> float:
@@ -141,18 +150,27 @@ class WindowFit:
         size = np.abs(point.residual) / noise
         loss = np.where(size <= HUBER, 0.5 * size**2, HUBER * (size - 0.5 * HUBER))
         vector = point.unknowns.as_vector()
-        return float(loss.sum()) + 0.5 * float(vector @ self._prior @ vector)
+        changes = self._changes @ point.unknowns.gaps
+        rare = 0.5 * (CHANGE_FREEDOM + 1.0) * np.log1p(changes**2 / CHANGE_FREEDOM)
+        return float(loss.sum() + rare.sum()) + 0.5 * float(vector @ self._prior @ vector)
+
+    def _prior_at(self, unknowns: Unknowns) -> FloatArray:
+        """Return the inverse covariance of the unknowns before any data; their means are zero."""
+        changes, count = self._changes @ unknowns.gaps, unknowns.gaps.size
+        weights = (CHANGE_FREEDOM + 1.0) / (CHANGE_FREEDOM + changes**2)
+        prior = self._prior.copy()
+        prior[:count, :count] += (self._changes.T * weights) @ self._changes
+        return prior
 
     def _result(self, point: _Point, iterations: int) -> Fit:
         noise = _noise(point.residual)
         bounded = np.clip(point.residual, -HUBER * noise, HUBER * noise)
-        blocks = max(float(self._residual.used.sum()), 1.0)
-        variance = max(float(bounded @ bounded) / blocks, SMALLEST_NOISE**2)
+        variance = max(float(np.mean(bounded**2)), SMALLEST_NOISE**2)
         slopes = self._window.slopes(point.unknowns, point.runs)
         weights = self._weights(point.residual, noise) / variance
         # A residual that is not white says less than its samples are many.
         weights /= correlated_blocks(bounded, self._window.block_rate)
-        information = information_of(slopes, weights) + self._prior
+        information = information_of(slopes, weights) + self._prior_at(point.unknowns)
         covariance: FloatArray = np.linalg.inv(information).astype(np.float64)
         knots = self._window.knots.size
         return Fit(
@@ -169,16 +187,14 @@ def _noise(residual: FloatArray) -> float:
     return max(SMALLEST_NOISE, FROM_MAD * float(np.median(np.abs(residual))))
 
 
-def _prior(knots: FloatArray, growth_change: float, stretches: int) -> FloatArray:
-    """Return the inverse covariance of the unknowns before any data; their means are zero."""
+def _prior(knots: FloatArray, stretches: int) -> FloatArray:
+    """Return the inverse covariance of the unknowns but for the changes of growth."""
     count, spacing = knots.size, float(knots[1] - knots[0])
     growth = np.diff(np.eye(count), axis=0) / spacing
-    change = np.diff(growth, axis=0)
     size = count + len(FACTORS) + len(BEGINNING) * stretches
     prior = np.zeros((size, size))
     prior[:count, :count] = np.eye(count) / GAP_SPREAD**2
     prior[:count, :count] += growth.T @ growth / (GROWTH_SPREAD**2 * (count - 1))
-    prior[:count, :count] += change.T @ change / (growth_change**2 * spacing)
     factors = np.arange(count, count + len(FACTORS))
     prior[factors, factors] = 1.0 / np.square(FACTOR_SPREAD)
     shares = np.arange(count + len(FACTORS), size, len(BEGINNING))

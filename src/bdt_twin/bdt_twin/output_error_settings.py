@@ -35,9 +35,9 @@ class OutputErrorSettings:
         maximum=1e3,
     )
     growth_change: float = quantity(
-        float(np.deg2rad(0.05)),
+        float(np.deg2rad(0.02)),
         "rad/s^1.5",
-        "how much the gap's growth rate may change: its standard deviation after a second",
+        "usual change of the gap's growth rate in a second",
         minimum=1e-9,
         maximum=1e3,
     )

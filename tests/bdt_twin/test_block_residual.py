@@ -1,0 +1,53 @@
+"""Means of blocks without outliers; how slow a residual is."""
+
+import numpy as np
+import pytest
+
+from bdt_twin.block_residual import BlockResidual, correlated_blocks, good_samples
+
+
+def test_means_are_those_of_the_blocks():
+    positions, simulated = np.random.default_rng(0).normal(size=(2, 100))
+    residual = BlockResidual([positions[:40], positions[40:]], 5)
+    found = residual.means([simulated[:40], simulated[40:]])
+    assert found == pytest.approx((positions - simulated).reshape(-1, 5).mean(axis=1))
+
+
+def test_an_outlier_does_not_move_the_mean_of_its_block():
+    position = np.random.default_rng(1).normal(size=500)
+    position[107] = 1000.0
+    residual = BlockResidual([position], 25)
+    found = residual.means([np.zeros(500)])
+    others = np.delete(position[100:125], 7)
+    assert found[4] == pytest.approx(others.mean())
+
+
+def test_outliers_may_be_nearly_half_of_a_block():
+    position = np.random.default_rng(2).normal(size=500)
+    position[101:125:2] += 1000.0 * np.arange(1, 13)
+    residual = BlockResidual([position], 25)
+    assert residual.means([np.zeros(500)])[4] == pytest.approx(position[100:125:2].mean())
+
+
+def test_normal_noise_has_no_outliers():
+    assert good_samples(np.random.default_rng(3).normal(size=(4000, 25))).all()
+
+
+def test_blocks_of_few_samples_are_not_screened():
+    assert good_samples(np.array([[0.0, 0.0, 1e9, 0.0]])).all()
+
+
+def test_white_noise_counts_in_full():
+    assert correlated_blocks(np.random.default_rng(4).normal(size=4000), 20.0) < 1.3
+
+
+def test_correlated_noise_counts_as_the_mean_of_it_varies():
+    """An autoregression x[n] = a x[n-1] + w[n]: the factor is (1 + a) / (1 - a)."""
+    white, noise = np.random.default_rng(5).normal(size=200_000), np.zeros(200_000)
+    for n in range(1, noise.size):
+        noise[n] = 0.8 * noise[n - 1] + white[n]
+    assert correlated_blocks(noise, 200.0) == pytest.approx(9.0, rel=0.1)
+
+
+def test_a_residual_of_zeros_is_white():
+    assert correlated_blocks(np.zeros(100), 200.0) == 1.0

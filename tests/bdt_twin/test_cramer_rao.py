@@ -1,0 +1,71 @@
+"""The bound against slopes taken from the plant's own simulation, and its laws."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bdt_plant.plant import PlantModel
+from bdt_twin.cramer_rao import cramer_rao_bound, information_of
+from bdt_twin.window_model import BEGINNING, FACTORS, Stretch, Unknowns, WindowModel
+
+RATE, BLOCK, NOISE, TIME = 1000.0, 5, 5e-6, 9.5
+KNOTS = np.arange(0.0, 12.1, 2.0)
+
+
+def window_of(rows):
+    stretch = Stretch(0, *np.ascontiguousarray(rows[:, 1:].T))
+    return WindowModel(PlantModel(), [stretch], KNOTS, RATE, BLOCK)
+
+
+def truth(degrees=10.0):
+    """Return the unknowns of a loop that begins at rest, or nearly: slopes have two sides there."""
+    gaps = np.full(KNOTS.size, math.radians(degrees))
+    beginnings = np.zeros((1, len(BEGINNING)))
+    beginnings[0, 0] = 0.01
+    return Unknowns(gaps, np.zeros(len(FACTORS)), beginnings)
+
+
+def test_the_bound_is_that_of_all_samples_and_slopes_by_differences(closed_loop):
+    window, unknowns = window_of(closed_loop().rows), truth()
+    vector, slopes = unknowns.as_vector(), []
+    directions = np.eye(vector.size)[KNOTS.size :]
+    level, growth = np.zeros((2, vector.size))
+    level[: KNOTS.size], growth[: KNOTS.size] = 1.0, KNOTS - TIME
+    for direction in [level, growth, *directions]:
+        ahead, behind = (
+            window.run(unknowns.from_vector(vector + change * direction))[0].position
+            for change in (1e-5, -1e-5)
+        )
+        slopes.append((ahead - behind) / 2e-5)
+    # The gap is what is left of its slope beside all other slopes.
+    others = np.array(slopes[1:]).T
+    others /= np.linalg.norm(others, axis=0)
+    left = slopes[0] - others @ np.linalg.lstsq(others, slopes[0], rcond=None)[0]
+    expected = NOISE / np.linalg.norm(left)
+    assert cramer_rao_bound(window, unknowns, TIME, NOISE) == pytest.approx(expected, rel=0.05)
+
+
+def test_the_bound_grows_with_the_noise(closed_loop):
+    window, unknowns = window_of(closed_loop().rows), truth()
+    one, two = (cramer_rao_bound(window, unknowns, TIME, noise) for noise in (NOISE, 2 * NOISE))
+    assert two == pytest.approx(2 * one)
+
+
+def test_less_data_tell_less(closed_loop):
+    rows, unknowns = closed_loop().rows, truth()
+    all_of_them = cramer_rao_bound(window_of(rows), unknowns, TIME, NOISE)
+    half = cramer_rao_bound(window_of(rows[:6000]), unknowns, TIME, NOISE)
+    assert half > 1.5 * all_of_them
+
+
+@pytest.mark.parametrize("voltage", [0.0, 1.0])
+def test_without_a_reversal_there_is_no_bound(voltage):
+    rows = np.zeros((12000, 3))
+    rows[:, 1] = voltage
+    assert cramer_rao_bound(window_of(rows), truth(), TIME, NOISE) == math.inf
+
+
+def test_information_is_the_weighted_product_of_slopes():
+    slopes, weights = np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([10.0, 100.0])
+    assert information_of(slopes, weights).tolist() == [[410.0, 830.0], [830.0, 1690.0]]

@@ -1,0 +1,88 @@
+"""The compiled window is the plant's own loop; its notes are what the trajectory shows."""
+
+import numpy as np
+import pytest
+
+from bdt_plant.plant import AT_REST, PlantModel, discretize_plant
+from bdt_plant.structure import StructureState, discretize_structure
+from bdt_twin import compilation
+from bdt_twin.forward_model import (
+    SMALLEST_TRAVEL,
+    compiled_structure,
+    compiled_window,
+    initial_state,
+    run_structure,
+    run_window,
+)
+
+RATE, BLOCK = 1000.0, 5
+STEP = discretize_plant(PlantModel(), 1 / RATE)
+
+
+def run_from_rest(loop):
+    return run_window(STEP, AT_REST, np.ascontiguousarray(loop.rows[:, 1]), loop.gaps, BLOCK)
+
+
+def test_from_the_true_beginning_the_position_is_that_of_the_plant(closed_loop):
+    loop = closed_loop()
+    assert (run_from_rest(loop).position == loop.rows[:, 2]).all()
+
+
+def test_the_screw_is_where_its_last_contact_left_it(closed_loop):
+    """theta_d = theta_m - side gap / 2, taken at the last contact."""
+    run, gap = run_from_rest(closed_loop()), np.deg2rad(10.0)
+    moved = np.abs(run.side) == 1.0
+    assert moved.sum() > 2000
+    assert np.abs(run.motor - 0.5 * gap * run.side - run.screw)[moved].max() < 1e-12
+
+
+def test_reversals_are_where_the_screw_begins_to_turn_back(closed_loop):
+    loop = closed_loop()
+    angle, found = loop.theta_d, run_from_rest(loop).reversals
+    assert len(found) > 8
+    ends = [0, *found, angle.size]
+    for begin, turn, after in zip(ends, ends[1:], ends[2:], strict=False):
+        direction = np.sign(angle[turn] - angle[turn - 1])
+        stretch = direction * angle[begin:turn]
+        # Before, the screw moved the other way; after, it goes at least as far as counts.
+        assert stretch[-1] == stretch.min()
+        assert (direction * (angle[turn:after] - angle[turn - 1])).max() >= SMALLEST_TRAVEL
+
+
+def test_travel_is_the_way_that_the_screw_moved(closed_loop):
+    loop = closed_loop()
+    assert run_from_rest(loop).travel == pytest.approx(np.abs(np.diff(loop.theta_d)).sum())
+
+
+def test_the_lag_stays_within_half_of_the_gap(closed_loop):
+    run = run_from_rest(closed_loop())
+    assert np.abs(run.lag).max() == pytest.approx(np.deg2rad(5.0))
+
+
+def test_a_structure_follows_a_base_that_stays(closed_loop):
+    step = discretize_structure(PlantModel().structure, 0.01)
+    position = run_structure(step, StructureState(0.0, 0.0, 0.0, 0.0), np.full(2000, 1e-3))
+    assert position[0] == 0.0
+    assert position[-1] == pytest.approx(1e-3, rel=1e-9)
+
+
+def test_the_motor_begins_at_the_speed_for_its_voltage():
+    state = initial_state(AT_REST.structure, 0.1, 2.0, PlantModel().motor.back_emf_constant)
+    run = run_window(STEP, state, np.full(100, 2.0), np.full(100, 50.0), 1)
+    assert np.diff(run.lag) == pytest.approx(np.full(99, 0.02), rel=2e-2)
+    assert run.lag[0] == 0.1
+
+
+def test_without_numba_the_floats_are_the_same(closed_loop, monkeypatch):
+    loop = closed_loop(duration=1.0, step_time=0.5)
+    compiled = run_from_rest(loop)
+    monkeypatch.setattr(compilation, "find_spec", lambda _: None)
+    for cached in (compiled_window, compiled_structure):
+        cached.cache_clear()
+    try:
+        plain = run_from_rest(loop)
+    finally:
+        for cached in (compiled_window, compiled_structure):
+            cached.cache_clear()
+    for name, first, second in zip(compiled._fields, compiled, plain, strict=True):
+        assert np.array_equal(first, second), name
