@@ -14,6 +14,7 @@ from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.plant import AT_REST, PlantModel, Sampling, discretize_plant, plant_step
 
 RATE, HOLD = 5000, 10
+MODEL = PlantModel()
 
 
 class Recording(NamedTuple):
@@ -88,18 +89,14 @@ def simulate_loop(profile, duration, rate, dead_zone_degrees, step_time, model):
         sampling=Sampling(sampling_rate=rate),
     )
     loop = simulate(scenario, keep=("u", "q3", "theta_d"))
-    return Loop(
-        np.column_stack([loop.t, loop.u, loop.q3]), loop.theta_d, gaps_at(profile, loop.t)
-    )
+    return Loop(np.column_stack([loop.t, loop.u, loop.q3]), loop.theta_d, gaps_at(profile, loop.t))
 
 
 @pytest.fixture
 def closed_loop():
     """Simulate the loop for a gap [deg] or its profile, the same telemetry at any sampling rate."""
 
-    def simulated(
-        gap=10.0, duration=12.0, rate=1000.0, dead_zone=10.0, step_time=3.0, model=PlantModel()
-    ):
+    def simulated(gap=10.0, duration=12.0, rate=1000.0, dead_zone=10.0, step_time=3.0, model=MODEL):
         if not isinstance(gap, GapProfile):
             gap = GapProfile(kind="constant", initial=float(np.deg2rad(gap)))
         return simulate_loop(gap, duration, rate, dead_zone, step_time, model)

@@ -1,5 +1,7 @@
 """Samples are numbered by time; the window is the same however the telemetry was split."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -34,7 +36,7 @@ def test_stamps_between_the_multiples_of_the_sample_time_do_not_matter():
 @given(st.lists(st.integers(1, 399), max_size=6), st.integers(1, 400))
 def test_stretches_do_not_depend_on_the_batches(cuts, end):
     window, bounds = TelemetryWindow(RATE, 100), [0, *sorted(set(cuts)), 400]
-    for begin, stop in zip(bounds, bounds[1:], strict=False):
+    for begin, stop in pairwise(bounds):
         window.append(rows_of(begin, stop))
     [stretch] = window.stretches(end, 1, 1)
     first = max(end - 100, 0)
@@ -91,7 +93,9 @@ def test_a_useless_batch_leaves_a_hole(rows, reason):
 def test_time_that_goes_back_begins_anew():
     window = TelemetryWindow(RATE, 100)
     window.append(rows_of(0, 100))
-    with pytest.raises(TelemetryRejectedError, match="time goes back by 0.490000 s at t = 0.500000"):
+    with pytest.raises(
+        TelemetryRejectedError, match=r"time goes back by 0.490000 s at t = 0.500000"
+    ):
         window.append(rows_of(50, 60))
     assert window.end is None
     assert window.append(rows_of(60, 70)) == range(60, 70)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from bdt_plant.plant import PlantModel
-from bdt_twin.window_model import BEGINNING, FACTORS, Stretch, Unknowns, WindowModel
+from bdt_twin.model_factors import FACTORS
+from bdt_twin.window_model import BEGINNING, Stretch, Unknowns, WindowModel
 
 RATE, BLOCK = 1000.0, 5
 KNOTS = np.arange(0.0, 12.1, 2.0)

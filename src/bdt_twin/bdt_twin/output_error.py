@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from bdt_plant.plant import PlantModel
 from bdt_twin.estimator import Estimate
 from bdt_twin.forward_model import SMALLEST_TRAVEL, compiled_structure, compiled_window
+from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error_fit import Fit, WindowFit
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.saturation import turned_while_stuck
 from bdt_twin.telemetry_window import TelemetryWindow
-from bdt_twin.window_model import BEGINNING, FACTORS, Unknowns, WindowModel
+from bdt_twin.window_model import BEGINNING, Unknowns, WindowModel
 
 FloatArray = NDArray[np.float64]
 

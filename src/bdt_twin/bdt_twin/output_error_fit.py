@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from bdt_twin.block_residual import BlockResidual, correlated_blocks
 from bdt_twin.cramer_rao import information_of
 from bdt_twin.forward_model import WindowRun
-from bdt_twin.window_model import BEGINNING, FACTORS, Unknowns, WindowModel
+from bdt_twin.model_factors import FACTORS
+from bdt_twin.window_model import BEGINNING, Unknowns, WindowModel
 
 FloatArray = NDArray[np.float64]
 

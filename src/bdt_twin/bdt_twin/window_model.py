@@ -1,38 +1,29 @@
 """Position over a window as a function of what is unknown about the mechanism, and its slopes."""
 
-from dataclasses import dataclass, replace
-from functools import lru_cache
+import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.plant import PlantModel, discretize_plant
-from bdt_plant.structure import (
-    StructureParameters,
-    StructureState,
-    StructureStep,
-    discretize_structure,
-)
-from bdt_twin.forward_model import (
-    WindowRun,
-    initial_state,
-    run_structure,
-    run_window,
+from bdt_plant.plant import PlantModel
+from bdt_plant.structure import StructureState, StructureStep
+from bdt_twin.forward_model import WindowRun, initial_state, run_structure, run_window
+from bdt_twin.model_factors import (
+    FACTORS,
+    block_model_with,
+    plant_step_with,
 )
 
 FloatArray = NDArray[np.float64]
 
-FACTORS = ("gain", "stiffness", "damping")
-"""Factors on the model: of the motor's gain, of k/m and of c/m."""
-
 BEGINNING = ("share", "offset", "q2", "q2_velocity", "q3", "q3_velocity")
 """Unknowns at the beginning of a stretch; see :class:`Unknowns`."""
 
-FACTOR_GRID = 1e-3
-"""Spacing of the logarithms of k/m and c/m at which slopes are taken, and the change for their
-own slopes. Slopes may be a little off; so the discrete models are remembered, as making one takes
-as long as simulating half a second."""
+
+FACTOR_CHANGE = 1e-3
+"""Change of a factor's logarithm from which the slope of the position is taken."""
 
 
 class Stretch(NamedTuple):
@@ -60,7 +51,7 @@ class Unknowns:
     gaps : ndarray, shape (knots,)
         Gap theta_b at the knots, linear between them [rad].
     factors : ndarray, shape (3,)
-        Natural logarithms of ``FACTORS``.
+        Natural logarithms of ``model_factors.FACTORS``.
     beginnings : ndarray, shape (stretches, 6)
         ``BEGINNING`` of each stretch: where in the gap the motor is, from -1 to 1 (ends at which
         it drives the screw backward and forward), the position of the lead screw's end [m], and
@@ -116,8 +107,9 @@ class WindowModel:
 
     def run(self, unknowns: Unknowns) -> list[WindowRun]:
         """Simulate each stretch."""
-        model = self._changed(unknowns.factors)
-        step = discretize_plant(model, 1.0 / self._rate)
+        step = plant_step_with(self._model, unknowns.factors, 1.0 / self._rate)
+        gain = math.exp(unknowns.factors[FACTORS.index("gain")])
+        back_emf = self._model.motor.back_emf_constant / gain
         runs = []
         for stretch, beginning in zip(self.stretches, unknowns.beginnings, strict=True):
             times = (stretch.first + np.arange(stretch.voltage.size)) / self._rate
@@ -126,7 +118,7 @@ class WindowModel:
                 StructureState(*beginning[2:].tolist()),
                 0.5 * float(beginning[0]) * float(gaps[0]),
                 float(stretch.voltage[0]),
-                model.motor.back_emf_constant,
+                back_emf,
             )
             run = run_window(step, state, stretch.voltage, gaps, self.block)
             runs.append(run._replace(position=run.position + beginning[1]))
@@ -184,13 +176,13 @@ class WindowModel:
         base = self._model.lead_screw.pitch * run.screw
         for which in (1, 2):
             ends = []
-            for change in (FACTOR_GRID, -FACTOR_GRID):
+            for change in (FACTOR_CHANGE, -FACTOR_CHANGE):
                 factors = unknowns.factors.copy()
                 factors[which] += change
                 start, step = self._by_blocks(factors)
                 state = StructureState(*(start @ beginning[2:]).tolist())
                 ends.append(run_structure(step, state, base))
-            slopes[knots + which, :] = (ends[0] - ends[1]) / (2 * FACTOR_GRID)
+            slopes[knots + which, :] = (ends[0] - ends[1]) / (2 * FACTOR_CHANGE)
         slopes[first + 1] = 1.0
         start, step = self._by_blocks(unknowns.factors)
         nothing = np.zeros(base.size)
@@ -199,24 +191,8 @@ class WindowModel:
             slopes[first + 2 + state_number] = free
 
     def _by_blocks(self, factors: FloatArray) -> tuple[FloatArray, StructureStep]:
-        """Return :func:`_block_model` for the nearest factors on the grid."""
-        on_grid = np.round(factors / FACTOR_GRID) * FACTOR_GRID
-        structure = self._changed(np.array([0.0, *on_grid[1:]])).structure
-        return _block_model(structure, 1.0 / self._rate, self.block)
-
-    def _changed(self, factors: FloatArray) -> PlantModel:
-        """Return the model with its factors."""
-        gain, stiffness, damping = np.exp(factors).tolist()
-        motor, structure = self._model.motor, self._model.structure
-        return replace(
-            self._model,
-            motor=replace(motor, back_emf_constant=motor.back_emf_constant / gain),
-            structure=replace(
-                structure,
-                stiffness=structure.stiffness * stiffness,
-                damping=structure.damping * damping,
-            ),
-        )
+        """Return the structure's model from block to block."""
+        return block_model_with(self._model, factors, 1.0 / self._rate, self.block)
 
     def weights(self, times: FloatArray) -> FloatArray:
         """Return by how much the gap at each time depends on each knot, shape (knots, n)."""
@@ -224,24 +200,3 @@ class WindowModel:
         distance = np.abs(times[None, :] - self.knots[:, None]) / spacing
         weights: FloatArray = np.maximum(1.0 - distance, 0.0)
         return weights
-
-
-@lru_cache(maxsize=64)
-def _block_model(
-    structure: StructureParameters, sample_time: float, block: int
-) -> tuple[FloatArray, StructureStep]:
-    """Return the model of a structure from block to block.
-
-    Returns
-    -------
-    start : ndarray, shape (4, 4)
-        Map from a state to its mean over the block that begins with it.
-    step : StructureStep
-        Discrete model whose sample is a block.
-    """
-    one_sample = np.array([row[:4] for row in discretize_structure(structure, sample_time)])
-    power, total = np.eye(4), np.zeros((4, 4))
-    for _ in range(block):
-        total += power
-        power = one_sample @ power
-    return total / block, discretize_structure(structure, block * sample_time)

@@ -1,0 +1,267 @@
+"""The estimator by output error against the true gap, with noise, holes and a wrong model."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bdt_plant.gap_profile import GapProfile, gap_at
+from bdt_plant.motor import MotorParameters
+from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.structure import StructureParameters
+from bdt_twin import compilation
+from bdt_twin.cramer_rao import cramer_rao_bound
+from bdt_twin.estimator import TelemetryRejectedError
+from bdt_twin.forward_model import compiled_structure, compiled_window
+from bdt_twin.output_error import OutputErrorEstimator
+from bdt_twin.output_error_settings import OutputErrorSettings
+
+RATE = 1000.0
+CHOSEN = OutputErrorSettings(sampling_rate=RATE, window=10.0, update_period=1.0)
+GROWING = GapProfile(initial=math.radians(4.0), final=math.radians(24.0), growth_time=40.0)
+KINKED = GapProfile(
+    kind="table",
+    table_times=(0.0, 11.0, 14.0, 30.0),
+    table_gaps=tuple(np.deg2rad([3.0, 5.0, 9.0, 10.0]).tolist()),
+)
+PROFILES = [
+    GapProfile(kind="constant", initial=math.radians(12.0)),
+    GapProfile(kind="ramp", final=math.radians(20.0), growth_time=30.0),
+    GROWING,
+    KINKED,
+]
+OTHER_PLANT = PlantModel(
+    motor=MotorParameters(back_emf_constant=0.1 * 1.05),
+    structure=StructureParameters(mass=5.2 * 1.02, stiffness=1e4 * 0.98, damping=36.9 * 0.8),
+)
+
+
+def estimates_of(rows, chosen=CHOSEN, cuts=(), without=()):
+    """Return the estimates from batches that end at `cuts`, without some of their numbers."""
+    estimator = OutputErrorEstimator(PlantModel(), chosen)
+    batches = list(pairwise([0, *sorted(cuts), len(rows)]))
+    found = [
+        estimator.update(rows[begin:end])
+        for number, (begin, end) in enumerate(batches)
+        if number not in without
+    ]
+    return [estimate for estimate in found if estimate is not None]
+
+
+def seconds(rows, rate=RATE):
+    return range(round(rate), len(rows), round(rate))
+
+
+def measured(rows, noise, quantum, seed):
+    """Return telemetry with white noise and quantization [m] of the position."""
+    position = rows[:, 2] + np.random.default_rng(seed).normal(scale=noise, size=len(rows))
+    return np.column_stack([rows[:, :2], np.round(position / quantum) * quantum])
+
+
+def errors_of(found, profile):
+    """Return errors of the gap and their standard uncertainties [deg], of what was learned."""
+    learned = [estimate for estimate in found if not estimate.reason]
+    errors = [estimate.gap - gap_at(profile, estimate.time) for estimate in learned]
+    return np.rad2deg(errors), np.rad2deg([estimate.uncertainty for estimate in learned])
+
+
+@pytest.mark.parametrize("profile", PROFILES[:3])
+def test_clean_telemetry_gives_the_gap_to_a_hundredth_of_a_degree(closed_loop, profile):
+    rows = closed_loop(profile, 16.0, rate=5000.0).rows
+    chosen = replace(CHOSEN, sampling_rate=5000.0)
+    errors, _ = errors_of(estimates_of(rows, chosen, seconds(rows, 5000.0)), profile)
+    assert errors.size >= 14
+    assert np.sqrt(np.mean(errors**2)) < 0.01
+
+
+@pytest.mark.parametrize(("noise", "quantum", "rms"), [(1e-6, 1e-7, 0.1), (5e-6, 1e-6, 0.3)])
+def test_noise_and_a_wrong_model_cost_little_and_the_uncertainty_says_how_much(
+    closed_loop, noise, quantum, rms
+):
+    """The limits leave room for the tenth of the targets' samples: 1000 Hz, windows of 10 s."""
+    errors, uncertainties = [], []
+    for seed, profile in enumerate(PROFILES * 2):
+        loop = closed_loop(profile, 30.0, dead_zone=5.0 * (seed % 3), model=OTHER_PLANT)
+        rows = measured(loop.rows, noise, quantum, seed)
+        found = errors_of(estimates_of(rows, cuts=seconds(rows)), profile)
+        errors.extend(found[0])
+        uncertainties.extend(found[1])
+    inside = np.abs(errors) < 1.96 * np.array(uncertainties)
+    assert len(errors) > 200
+    assert np.sqrt(np.mean(np.square(errors))) < rms
+    assert 0.88 < inside.mean() < 0.995
+
+
+def test_where_the_model_is_exact_the_error_is_near_the_cramer_rao_bound(closed_loop):
+    profile, errors, bounds = PROFILES[0], [], []
+    rows = closed_loop(profile, 20.0).rows
+    for seed in range(12):
+        estimator = OutputErrorEstimator(PlantModel(), replace(CHOSEN, update_period=10.0))
+        estimate = None
+        for batch in np.split(measured(rows, 5e-6, 1e-9, seed), 2):
+            estimate = estimator.update(batch)
+        # The last window that was complete ended at 10 s.
+        lesson = estimator.lesson
+        bounds.append(cramer_rao_bound(lesson.window, lesson.fit.unknowns, estimate.time, 5e-6))
+        errors.append(estimate.gap - gap_at(profile, estimate.time))
+    assert np.sqrt(np.mean(np.square(errors))) < 2.0 * np.mean(bounds)
+    # An unbiased estimator that is much better than the bound would show the bound to be wrong.
+    assert np.sqrt(np.mean(np.square(errors))) > 0.4 * np.mean(bounds)
+
+
+def test_an_estimate_is_for_the_last_reversal(closed_loop):
+    loop = closed_loop(GROWING, 20.0)
+    for estimate in estimates_of(loop.rows, cuts=seconds(loop.rows))[1:]:
+        turned = round(estimate.time * RATE)
+        steps = np.diff(loop.theta_d[turned - 1 : turned + 2])
+        before = np.diff(loop.theta_d[:turned])
+        last_move = before[before != 0.0][-1]
+        assert np.sign(last_move) == -np.sign(steps[steps != 0.0][0])
+        assert estimate.reversals > 0
+
+
+def test_growth_and_gain_come_with_the_gap(closed_loop):
+    profile = PROFILES[1]
+    rows = closed_loop(profile, 20.0, model=OTHER_PLANT).rows
+    newest = estimates_of(rows, cuts=seconds(rows))[-1]
+    assert newest.growth == pytest.approx(math.radians(20.0 / 30.0), rel=0.02)
+    assert newest.gain_correction == pytest.approx(1 / 1.05, rel=1e-3)
+
+
+@settings(max_examples=5, deadline=None)
+@given(cuts=st.lists(st.integers(1, 5999), max_size=8, unique=True))
+def test_estimates_do_not_depend_on_the_batches(cuts):
+    rows = steps_by_hand()
+    newest = estimates_of(rows, cuts=cuts)
+    each = {estimate.time: estimate for estimate in estimates_of(rows, cuts=range(500, 6000, 250))}
+    assert newest[-1] in each.values()
+    assert all(estimate in each.values() for estimate in newest)
+
+
+def steps_by_hand():
+    """Return 6 s of telemetry without a loop: a voltage that goes back and forth."""
+    plant = PlantSimulator(PlantModel(), PROFILES[0], Sampling(RATE, RATE / 500))
+    return np.concatenate([plant.advance(voltage) for voltage in np.resize([1.0, 0.0, -1.5], 12)])
+
+
+def test_newest_only_lets_stale_windows_go(closed_loop):
+    rows = measured(closed_loop(duration=10.0).rows, 1e-6, 1e-7, 0)
+    behind = OutputErrorEstimator(PlantModel(), CHOSEN)
+    newest = behind.update(rows, newest_only=True)
+    [expected] = estimates_of(rows)
+    assert newest.time == expected.time
+    assert newest.gap == pytest.approx(expected.gap, abs=expected.uncertainty)
+
+
+@pytest.mark.parametrize("lost", [{12}, {7, 12, 13}])
+def test_missing_batches_cost_no_more_than_their_data(closed_loop, lost):
+    rows = measured(closed_loop(GROWING, 20.0).rows, 1e-6, 1e-7, 1)
+    tenths = range(100, len(rows), 100)
+    found = estimates_of(rows, cuts=tenths, without={10 * n + 5 for n in lost})
+    errors, uncertainties = errors_of(found, GROWING)
+    assert errors.size >= 17
+    assert (np.abs(errors) < 3.5 * uncertainties + 0.01).all()
+    assert np.abs(errors[-5:]).max() < 0.15
+
+
+def test_outliers_are_left_out(closed_loop):
+    rows = measured(closed_loop(GROWING, 20.0).rows, 1e-6, 1e-7, 2)
+    random = np.random.default_rng(3)
+    rows[random.random(len(rows)) < 0.02, 2] += 2e-3
+    errors, _ = errors_of(estimates_of(rows, cuts=seconds(rows)), GROWING)
+    assert errors.size >= 17
+    assert np.abs(errors[-10:]).max() < 0.15
+
+
+def rest(rows):
+    rows[:, 1] = 0.0
+    rows[:, 2] = 1e-3
+
+
+def one_way(rows):
+    """Turn the motor at an even speed, and the platform behind it."""
+    rows[:, 1] = 0.5
+    rows[:, 2] = 0.5 / 0.1 * rows[:, 0] * 1e-3 / (2 * math.pi)
+
+
+def clipped(rows):
+    np.minimum(rows[:, 2], 3e-3, out=rows[:, 2])
+
+
+def another_platform(rows):
+    rows[:, 2] = 1e-3 * np.sin(3.0 * rows[:, 0])
+
+
+@pytest.mark.parametrize(
+    ("spoil", "reason"),
+    [
+        (rest, "the motor does not move"),
+        (one_way, "the lead screw does not reverse"),
+        (clipped, "the position is stuck at its extreme while the motor turns"),
+        (another_platform, "the model does not explain"),
+    ],
+)
+def test_where_nothing_can_be_learned_nothing_is_invented(closed_loop, spoil, reason):
+    rows = closed_loop().rows[:7000].copy()
+    spoil(rows)
+    found = estimates_of(rows, cuts=seconds(rows))
+    assert all(math.isnan(estimate.gap) and estimate.uncertainty == math.inf for estimate in found)
+    assert reason in found[-1].reason
+
+
+def test_the_last_estimate_is_kept_with_an_uncertainty_that_grows(closed_loop):
+    loop = closed_loop(PROFILES[1], 12.0)
+    rows = np.concatenate([loop.rows, np.zeros((20000, 3))])
+    rows[:, 0] = np.arange(len(rows)) / RATE
+    rows[12000:, 2] = rows[11999, 2]
+    found = estimates_of(rows, cuts=seconds(rows))
+    learned = [estimate for estimate in found if not estimate.reason]
+    kept = found[found.index(learned[-1]) + 1 :]
+    assert kept[-1].reason == "the motor does not move"
+    assert kept[-1].time == 31.0
+    assert {estimate.gap for estimate in kept} == {learned[-1].gap}
+    assert (np.diff([estimate.uncertainty for estimate in kept]) > 0).all()
+    # The gap would have gone on growing.
+    assert abs(gap_at(PROFILES[1], 30.0) - kept[-2].gap) < 1.96 * kept[-2].uncertainty
+
+
+def test_short_data_after_a_hole_teach_nothing(closed_loop):
+    rows = closed_loop().rows
+    estimator = OutputErrorEstimator(PlantModel(), CHOSEN)
+    assert estimator.update(rows[:901]).reason == "no 1 s of data without a hole"
+    estimator.restart()
+    assert estimator.update(rows[5500:6100]).reason == "no 1 s of data without a hole"
+    with pytest.raises(TelemetryRejectedError, match="not finite"):
+        estimator.update(np.full((10, 3), np.nan))
+    assert estimator.update(rows[6800:7100]).reason == "no 1 s of data without a hole"
+
+
+def test_time_that_goes_back_restarts(closed_loop):
+    rows = closed_loop().rows
+    estimator = OutputErrorEstimator(PlantModel(), CHOSEN)
+    estimator.update(rows)
+    assert estimator.lesson is not None
+    with pytest.raises(TelemetryRejectedError, match="time goes back"):
+        estimator.update(rows[:500])
+    assert estimator.lesson is None
+    assert [estimator.update(rows)] == estimates_of(rows)
+
+
+def test_without_numba_the_estimates_are_the_same(closed_loop, monkeypatch):
+    rows = closed_loop(duration=4.0, rate=500.0).rows
+    chosen = replace(CHOSEN, sampling_rate=500.0, window=3.0, update_period=3.0)
+    compiled = estimates_of(rows, chosen)
+    monkeypatch.setattr(compilation, "find_spec", lambda _: None)
+    for cached in (compiled_window, compiled_structure):
+        cached.cache_clear()
+    try:
+        plain = estimates_of(rows, chosen)
+    finally:
+        for cached in (compiled_window, compiled_structure):
+            cached.cache_clear()
+    assert plain[0].gap == pytest.approx(compiled[0].gap, rel=1e-9)
+    assert plain[0].is_known
