@@ -98,7 +98,7 @@ def block_model_with(
 def _interpolated(make: Callable[[Point], FloatArray], factors: FloatArray) -> FloatArray:
     """Return numbers that are known on the grid of factors, by parabolas along its axes.
 
-    Half a spacing from a point they are off by about 1e-7 of what they change with the factors.
+    Half a spacing from a point they are off by about 1e-6 of their slopes.
     What is linear in the numbers, as a structure that follows a slow base, stays exact.
     """
     point = np.rint(factors / FACTOR_GRID).astype(int)
