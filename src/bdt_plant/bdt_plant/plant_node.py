@@ -57,12 +57,12 @@ class PlantNode(Node):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(PLANT_NODE, **node_arguments)
-        self._settings, self._sampling, motor, lead_screw, structure, profile = declare_all(
+        self._settings, self._sampling, *constants, profile, actuator, sensor = declare_all(
             self, PARAMETERS
         )
-        model = PlantModel(motor, lead_screw, structure)
+        model = PlantModel(*constants)
         self.finished: Future[None] = Future()
-        self._simulator = PlantSimulator(model, profile, self._sampling)
+        self._simulator = PlantSimulator(model, profile, self._sampling, sensor, actuator)
         self._followers = Followers(self._settings.lockstep_followers)
         duration = self._settings.duration
         samples = max(round(duration * self._sampling.sampling_rate), 1)
@@ -242,6 +242,8 @@ class PlantNode(Node):
             "rejected_commands": self._rejected_commands,
             "steps_without_fresh_command": self._stale_steps,
             "resent_measurements": self._resent,
+            "saturated_steps": self._simulator.saturated_steps,
+            "dropped_samples": self._simulator.dropped_samples,
         }
         return Health(well, "running" if well else "commands missing, late or not valid", values)
 

@@ -14,12 +14,13 @@ from bdt_bringup.simulation.closed_loop import (
     SIGNALS,
     Scenario,
     Trajectory,
+    initial_state,
     loop_step,
     sample_inputs,
     signals_for,
     trajectory_of,
 )
-from bdt_bringup.simulation.loop_kernel import SIMULATED, LoopInputs, loop_at_rest, run_kernel
+from bdt_bringup.simulation.loop_kernel import SIMULATED, run_kernel
 from bdt_msgs_py.reading import nanoseconds_from_seconds
 from bdt_twin.dead_zone_width import tolerance_for_gap
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
@@ -71,7 +72,7 @@ def simulate_with_twin(
     telemetry_period : float
         Time covered by one batch of telemetry [s], rounded to whole control periods.
     keep : sequence of str
-        Signals of the loop to keep, out of ``SIGNALS``; u and q3 are always kept.
+        Signals of the loop to keep, out of ``SIGNALS``; u and measured are always kept.
 
     Returns
     -------
@@ -80,10 +81,10 @@ def simulate_with_twin(
     """
     sampling = scenario.sampling
     rate, hold = sampling.sampling_rate, sampling.samples_per_control_step
-    keep = (*keep, "u", "q3")
+    keep = (*keep, "u", "measured")
     inputs, signals = sample_inputs(scenario), signals_for(scenario, keep)
-    u, q3 = (signals[SIMULATED.index(name)] for name in ("u", "q3"))
-    step, state = loop_step(scenario), loop_at_rest(float(inputs.gaps[0]))
+    u, measured = (signals[SIMULATED.index(name)] for name in ("u", "measured"))
+    step, state = loop_step(scenario), initial_state(scenario, inputs)
     twin = _Twin(scenario, settings or InverseFilterSettings(sampling_rate=rate), delay)
 
     tolerances = inputs.tolerances.copy()
@@ -93,13 +94,9 @@ def simulate_with_twin(
         steps = slice(first, min(first + batch, scenario.control_steps))
         samples = slice(steps.start * hold, steps.stop * hold)
         twin.set_dead_zones(stamps[steps], tolerances[steps])
-        stretch = LoopInputs(
-            inputs.references[steps],
-            tolerances[steps],
-            inputs.gaps[samples.start : samples.stop + 1],
-        )
+        stretch = inputs.stretch(steps.start, steps.stop)._replace(tolerances=tolerances[steps])
         state = run_kernel(state, step, stretch, tuple(signal[samples] for signal in signals))
-        twin.take_telemetry((samples.stop - 1) / rate, u[samples], q3[samples])
+        twin.take_telemetry((samples.stop - 1) / rate, u[samples], measured[samples])
     return TwinTrajectory(
         trajectory_of(scenario, inputs, signals, keep),
         tolerances,
