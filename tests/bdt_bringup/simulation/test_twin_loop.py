@@ -1,5 +1,7 @@
 """The compiled loop with the twin against the plain Python loop, which the nodes equal."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -10,15 +12,20 @@ from bdt_controller.pid import PidGains
 from bdt_controller.reference import Reference, reference_at
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters
 from bdt_twin.dead_zone_width import tolerance_for_gap
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 
 SCENARIO = Scenario(6.0, Reference(step_time=2.0), GapProfile(growth_time=8.0))
 
 
-def python_loop(delay):
+NOISY = SensorParameters(noise=1e-14, quantization=1e-15, delay=4e-4)
+"""A sensor whose readings this estimator stands."""
+
+
+def python_loop(delay, sensor=IDEAL_SENSOR):
     """Return telemetry as ``offline_loop`` of tests/test_loop.py computes it."""
-    plant = PlantSimulator(PlantModel(), SCENARIO.gap, Sampling())
+    plant = PlantSimulator(PlantModel(), SCENARIO.gap, Sampling(), sensor)
     controller = DeadZoneController(PidGains(), ControllerSettings())
     estimator = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
     rows, on_the_way = [], []
@@ -43,6 +50,13 @@ def test_the_loop_is_that_of_the_nodes_bit_for_bit(delay):
     actual = np.column_stack([result.loop.t, result.loop.u, result.loop.q3])
     assert actual.tobytes() == python_loop(delay).tobytes()
     assert result.estimates.shape == result.estimate_times.shape
+    assert np.count_nonzero(np.diff(result.tolerances)) > 5
+
+
+def test_controller_and_twin_get_the_sensor_s_readings():
+    result = simulate_with_twin(dataclasses.replace(SCENARIO, sensor=NOISY), delay=0.33)
+    actual = np.column_stack([result.loop.t, result.loop.u, result.loop.measured])
+    assert actual.tobytes() == python_loop(0.33, NOISY).tobytes()
     assert np.count_nonzero(np.diff(result.tolerances)) > 5
 
 
