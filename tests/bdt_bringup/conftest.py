@@ -33,6 +33,7 @@ from bdt_msgs_py.topics import (
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters
 from bdt_twin.dead_zone_width import tolerance_for_gap
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 
@@ -221,13 +222,14 @@ class Loop:
     control_rate: float = 500.0
     batch_time: float = 0.1
     namespace: str = ""
+    sensor: SensorParameters = IDEAL_SENSOR
 
 
 def run_loop(loop: Loop) -> Messages:
     """Run plant, controller and estimator and return the messages that the nodes would send."""
     profile = GapProfile(final=loop.final_gap, growth_time=loop.duration, exponent=1.0)
     sampling = Sampling(sampling_rate=loop.sampling_rate, control_rate=loop.control_rate)
-    plant = PlantSimulator(PlantModel(), profile, sampling)
+    plant = PlantSimulator(PlantModel(), profile, sampling, loop.sensor)
     estimator = InverseFilterEstimator(
         PlantModel(), InverseFilterSettings(sampling_rate=loop.sampling_rate)
     )

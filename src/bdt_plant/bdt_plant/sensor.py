@@ -173,6 +173,7 @@ class Sensor:
 
     def __init__(self, parameters: SensorParameters, sampling_rate: float) -> None:
         self._parameters = parameters
+        self._is_ideal = parameters.is_ideal
         self._line = delay_line(parameters, sampling_rate)
         self._noise: list[float] = []
         self._sample = 0
@@ -187,7 +188,7 @@ class Sensor:
         position : float
             True position at that sample [m].
         """
-        if self._parameters.is_ideal:
+        if self._is_ideal:
             return position
         place = self._sample % BLOCK
         if place == 0:

@@ -11,6 +11,7 @@ from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import Reference, reference_at
 from bdt_plant.gap_profile import GapProfile
+from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters
 from bdt_twin.dead_zone_width import tolerance_for_gap
@@ -58,6 +59,14 @@ def test_controller_and_twin_get_the_sensor_s_readings():
     actual = np.column_stack([result.loop.t, result.loop.u, result.loop.measured])
     assert actual.tobytes() == python_loop(0.33, NOISY).tobytes()
     assert np.count_nonzero(np.diff(result.tolerances)) > 5
+
+
+def test_the_twin_may_believe_in_another_mechanism():
+    other = PlantModel(MotorParameters(back_emf_constant=0.105))
+    result = simulate_with_twin(SCENARIO, delay=0.33, twin_model=other)
+    estimator = InverseFilterEstimator(other, InverseFilterSettings())
+    expected = [found.gap for found in estimator.update(result.loop.u, result.loop.q3)]
+    np.testing.assert_array_equal(result.estimates, expected)
 
 
 def test_the_dead_zones_reported_are_those_that_acted():

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from bdt_bringup.analysis.estimate_analysis import EstimateSummary, summarize_estimate
+from bdt_bringup.analysis.judged_position import judged_telemetry
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.step_analysis import StepSummary, summarize_step
 from bdt_bringup.bags.completeness import lost_messages
@@ -84,12 +85,11 @@ def summarize(recording: Recording, steps: list[ReferenceStep]) -> Summary:
         Its steps.
     """
     dead_zones = recording.dead_zones
+    rows, sample_time = judged_telemetry(recording)
     return Summary(
         duration_s=recording.duration,
         real_time_factor=recording.real_time_factor,
-        steps=tuple(
-            summarize_step(step, recording.telemetry, recording.sample_time) for step in steps
-        ),
+        steps=tuple(summarize_step(step, rows, sample_time) for step in steps),
         estimate=summarize_estimate(
             recording.truth, recording.estimates, dead_zones, recording.pitch
         ),

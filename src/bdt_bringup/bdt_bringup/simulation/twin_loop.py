@@ -22,6 +22,7 @@ from bdt_bringup.simulation.closed_loop import (
 )
 from bdt_bringup.simulation.loop_kernel import SIMULATED, run_kernel
 from bdt_msgs_py.reading import nanoseconds_from_seconds
+from bdt_plant.plant import PlantModel
 from bdt_twin.dead_zone_width import tolerance_for_gap
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.link import DelayedLink
@@ -57,6 +58,7 @@ def simulate_with_twin(
     delay: float | Callable[[], float] = 1.0,
     telemetry_period: float = 0.1,
     keep: Sequence[str] = SIGNALS,
+    twin_model: PlantModel | None = None,
 ) -> TwinTrajectory:
     """Simulate the reconfigurable controller (figures 5 and 7).
 
@@ -73,6 +75,8 @@ def simulate_with_twin(
         Time covered by one batch of telemetry [s], rounded to whole control periods.
     keep : sequence of str
         Signals of the loop to keep, out of ``SIGNALS``; u and measured are always kept.
+    twin_model : PlantModel, optional
+        Mechanism in which the twin believes; None for the scenario's own.
 
     Returns
     -------
@@ -85,7 +89,8 @@ def simulate_with_twin(
     inputs, signals = sample_inputs(scenario), signals_for(scenario, keep)
     u, measured = (signals[SIMULATED.index(name)] for name in ("u", "measured"))
     step, state = loop_step(scenario), initial_state(scenario, inputs)
-    twin = _Twin(scenario, settings or InverseFilterSettings(sampling_rate=rate), delay)
+    settings = settings or InverseFilterSettings(sampling_rate=rate)
+    twin = _Twin(twin_model or scenario.model, settings, delay)
 
     tolerances = inputs.tolerances.copy()
     stamps = np.rint(np.arange(scenario.control_steps) * hold * 1e9 / rate).astype(np.int64)
@@ -110,13 +115,13 @@ class _Twin:
 
     def __init__(
         self,
-        scenario: Scenario,
+        model: PlantModel,
         settings: InverseFilterSettings,
         delay: float | Callable[[], float],
     ) -> None:
         self._rate = settings.sampling_rate
-        self._pitch = scenario.model.lead_screw.pitch
-        self._estimator = InverseFilterEstimator(scenario.model, settings)
+        self._pitch = model.lead_screw.pitch
+        self._estimator = InverseFilterEstimator(model, settings)
         # The delay may differ from message to message, so it is added to the time of sending.
         self._link = DelayedLink(0.0)
         self._delay = delay if callable(delay) else lambda: delay
