@@ -93,6 +93,15 @@ class Bench:
             self.tick(round(batch[-1, 0] + 2e-4, 4))
             self.send(batch)
 
+    def wait_for_progress(self, telemetry_end):
+        """Wait until the twin has worked on the telemetry up to a stamp [ns]."""
+        self.ros.spin_until(
+            lambda: (
+                self.progress
+                and nanoseconds_from_stamp(self.progress[-1].header.stamp) == telemetry_end
+            )
+        )
+
     @property
     def health(self):
         return self.twin._health().values
@@ -131,10 +140,31 @@ def test_without_delay_the_dead_zone_changes_at_once(ros, telemetry):
 def test_the_twin_tells_a_lockstep_plant_when_it_will_act(ros, telemetry):
     bench = Bench(ros, communication_delay=1.0)
     bench.run(telemetry[:7500])
-    ros.spin_until(lambda: nanoseconds_from_stamp(bench.progress[-1].header.stamp) == 1499800000)
+    bench.wait_for_progress(1_499_800_000)
     acts_at = nanoseconds_from_stamp(bench.progress[-1].time_ref)
     assert acts_at == bench.twin._link.next_due()
     assert bench.progress[-1].source == "twin"
+
+
+def test_the_twin_promises_not_to_act_before_the_next_batch_and_the_delay(ros, telemetry):
+    bench = Bench(ros, communication_delay=1.0)
+    bench.run(telemetry[:BATCH])
+    bench.wait_for_progress(99_800_000)
+    assert nanoseconds_from_stamp(bench.progress[-1].time_ref) == 1_199_800_000
+
+
+def test_without_delay_the_twin_promises_until_the_next_batch_is_published(ros, telemetry):
+    bench = Bench(ros, communication_delay=0.0)
+    bench.run(telemetry[:BATCH])
+    bench.wait_for_progress(99_800_000)
+    assert nanoseconds_from_stamp(bench.progress[-1].time_ref) == 200_000_000
+
+
+def test_a_twin_that_only_estimates_promises_never_to_act(ros, telemetry):
+    bench = Bench(ros, reconfigure=False)
+    bench.run(telemetry[:BATCH])
+    bench.wait_for_progress(99_800_000)
+    assert bench.progress[-1].time_ref.sec == 2**31 - 1
 
 
 def test_a_twin_that_only_estimates_leaves_the_controller_alone(ros, telemetry):

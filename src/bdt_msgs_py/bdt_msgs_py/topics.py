@@ -79,8 +79,9 @@ BACKLASH_ESTIMATE = Topic(
 PROGRESS = Topic(
     "progress",
     "sensor_msgs/msg/TimeReference",
-    "source = node that keeps step with a lockstep plant, stamp = newest telemetry sample it "
-    "took, time_ref = simulated time before which it will not act on the loop",
+    "source = node that keeps step with a lockstep plant, stamp = newest telemetry sample it has "
+    "worked on, time_ref = simulated time before which it will not act on the loop, whatever "
+    "telemetry comes",
     depth=100,
 )
 PROGRESS_PERIOD = 0.1

@@ -64,10 +64,10 @@ def progress(node: str, telemetry_end: int, acts_at: int | None) -> TimeReferenc
     node : str
         Name of the node.
     telemetry_end : int
-        Stamp of the newest telemetry sample that the node took [ns].
+        Stamp of the newest telemetry sample that the node has worked on [ns].
     acts_at : int or None
-        Simulated time before which the node will not act on the loop [ns]; None for never, as
-        far as the telemetry up to `telemetry_end` tells.
+        Simulated time before which the node will not act on the loop [ns], whatever telemetry
+        is still to come; None for never.
     """
     return TimeReference(
         header=Header(stamp=stamp_from_nanoseconds(telemetry_end)),

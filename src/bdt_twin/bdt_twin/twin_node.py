@@ -69,7 +69,8 @@ class TwinNode(Node):
                 raise ConfigurationError(f"parameter {error}") from error
         self._link = DelayedLink(self._settings.communication_delay)
         self._stream_start = 0
-        self._telemetry_end = 0
+        self._telemetry_end: int = 0
+        self._batch_samples = 0
         self._gap: float | None = None
         self._malformed = self._estimates = self._reconfigurations = self._failures = 0
         self._reported_troubles = 0
@@ -109,6 +110,7 @@ class TwinNode(Node):
             self._warn(f"rejected telemetry: {error}; the estimator restarts with the next batch")
         if len(rows) and np.isfinite(rows[-1, 0]):
             self._telemetry_end = nanoseconds_from_seconds(rows[-1, 0])
+            self._batch_samples = len(rows)
         self._tell_progress()
 
     def _begin_stream(self, rows: NDArray[np.float64]) -> None:
@@ -187,8 +189,23 @@ class TwinNode(Node):
         return None
 
     def _tell_progress(self) -> None:
-        acts_at = self._in_flight.due if self._in_flight is not None else self._link.next_due()
+        known = self._in_flight.due if self._in_flight is not None else self._link.next_due()
+        promises = [time for time in (known, self._next_action()) if time is not None]
+        acts_at = min(promises, default=None)
         self._progress_publisher.publish(progress(self.get_name(), self._telemetry_end, acts_at))
+
+    def _next_action(self) -> int | None:
+        """Return the earliest time [ns] at which telemetry yet to come can make the twin act.
+
+        The next batch is as long as the last one. It is published one sample after its newest
+        sample, and what is learned from it arrives after the delay of the link.
+        """
+        if not (self._settings.reconfigure and self._batch_samples):
+            return None
+        sample_time = 1e9 / self._sampling_rate
+        end: int = self._telemetry_end + round(self._batch_samples * sample_time)
+        later: int = max(round(self._settings.communication_delay * 1e9), round(sample_time))
+        return end + later
 
     # Diagnostics ---------------------------------------------------------------------------
 
