@@ -72,7 +72,8 @@ TRUTH = Topic(
 BACKLASH_ESTIMATE = Topic(
     "backlash_estimate",
     JOINT_STATE,
-    "joint backlash_gap, position = estimate [rad]; stamp = end of the data behind it",
+    "joint backlash_gap: position = estimate [rad], velocity = its growth rate [rad/s]; joint "
+    "backlash_gap_standard_uncertainty: position [rad]; stamp = time for which the gap is stated",
     transient_local=True,
     depth=1,
 )
@@ -115,6 +116,7 @@ ALL_TOPICS = (
 PLATFORM_JOINT = "platform_3"
 MOTOR_JOINT = "motor"
 GAP_JOINT = "backlash_gap"
+GAP_UNCERTAINTY_JOINT = "backlash_gap_standard_uncertainty"
 
 TELEMETRY_COLUMNS = ("t[s]", "u[V]", "q3[m]")
 TRUTH_COLUMNS = (
