@@ -260,7 +260,7 @@ def run_loop(loop: Loop) -> Messages:
             messages.add(TRUTH, plant.time, samples(truths, TRUTH_COLUMNS))
             clock = ros("rosgraph_msgs/msg/Clock", clock=stamp(plant.time))
             messages.add(CLOCK, plant.time, clock)
-            for found in estimator.update(batch[:, 1], batch[:, 2]):
+            for found in estimator.estimates(batch[:, 1], batch[:, 2]):
                 messages.estimate(found.sample / loop.sampling_rate, found.gap)
                 if loop.dead_zone is None:
                     due = plant.time + loop.delay

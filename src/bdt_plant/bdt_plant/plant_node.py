@@ -166,7 +166,7 @@ class PlantNode(Node):
     def _proceed(self) -> None:
         """Publish the next measurement, unless the end or a follower is in the way."""
         self._last_event = self._steady.now().nanoseconds
-        holding = self._followers.holding(self._simulator.nanoseconds)
+        holding = self._holding()
         if holding or self._control_step % self._clock_steps == 0:
             self._publish_clock()
         if holding or self.finished.done():
@@ -176,6 +176,12 @@ class PlantNode(Node):
             return
         self._waiting_for_command = True
         self._publish_measurement()
+
+    def _holding(self) -> list[str]:
+        """Return who is in the way: at the end everybody who has not seen all of the run."""
+        at_end = self._simulator.sample >= self._end
+        behind = self._followers.behind() if at_end else []
+        return behind or self._followers.holding(self._simulator.nanoseconds)
 
     def _watch_lockstep(self) -> None:
         """Begin, send again what may have been lost, give up when nobody answers any more."""
@@ -201,7 +207,7 @@ class PlantNode(Node):
             self._publish_measurement()
 
     def _awaited(self) -> str:
-        holding = self._followers.holding(self._simulator.nanoseconds)
+        holding = self._holding()
         return "progress of " + ", ".join(holding) if holding else f"a {COMMAND.name}"
 
     def _everybody_is_here(self) -> bool:
