@@ -41,7 +41,7 @@ SAMPLES = "std_msgs/msg/Float64MultiArray"
 MEASUREMENT = Topic(
     "measurement",
     JOINT_STATE,
-    "joint platform_3, position q3 [m]; stamp = sample time",
+    "joint platform_3, position q3 [m] as measured; stamp = sample time",
 )
 COMMAND = Topic(
     "command",
@@ -59,7 +59,7 @@ REFERENCE = Topic(
 TELEMETRY = Topic(
     "telemetry",
     SAMPLES,
-    "rows of (t [s], u [V], q3 [m]) at the sampling rate",
+    "rows of (t [s], u [V] as applied, q3 [m] as measured) at the sampling rate",
     depth=100,
 )
 TRUTH = Topic(

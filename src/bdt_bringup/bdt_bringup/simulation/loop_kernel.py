@@ -92,6 +92,7 @@ class LoopStep(NamedTuple):
 
 
 IDEAL = np.empty(0)
+IDEAL.flags.writeable = False
 """Noise of the ideal sensor, which has none."""
 
 
