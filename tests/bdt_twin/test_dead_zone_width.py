@@ -40,6 +40,11 @@ def test_the_bound_of_a_gap_grows_with_time_and_with_doubt():
     assert gap_bound(ESTIMATE, 10.0, 0.0) == 0.2
     assert gap_bound(ESTIMATE, 14.0, 0.0) == pytest.approx(0.2 + 4 * 0.005)
     assert gap_bound(ESTIMATE, 14.0, 2.0) == pytest.approx(0.2 + 4 * 0.005 + 2 * 0.01)
+    unsteady = ESTIMATE._replace(growth_uncertainty=0.003)
+    assert gap_bound(unsteady, 10.0, 2.0) == pytest.approx(0.2 + 2 * 0.01)
+    # Independent doubts of gap and growth: a triangle of 0.009, 0.012 and 0.015.
+    doubtful = unsteady._replace(uncertainty=0.009)
+    assert gap_bound(doubtful, 14.0, 2.0) == pytest.approx(0.2 + 4 * 0.005 + 2 * 0.015)
 
 
 def test_a_gap_does_not_heal():

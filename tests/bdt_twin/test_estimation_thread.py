@@ -15,7 +15,7 @@ class Recorder:
     """An estimator that notes what it gets and waits until it is let go."""
 
     def __init__(self):
-        self.batches = []
+        self.batches, self.newest_only = [], []
         self.go = threading.Event()
         self.go.set()
         self.busy = threading.Event()
@@ -23,10 +23,11 @@ class Recorder:
     def restart(self):
         pass
 
-    def update(self, batch):
+    def update(self, batch, *, newest_only=False):
         self.busy.set()
         assert self.go.wait(DEADLINE)
         self.batches.append(batch[:, 0].tolist())
+        self.newest_only.append(newest_only)
         if np.isnan(batch).any():
             raise TelemetryRejectedError("row 0 is not finite")
         if batch[0, 1] == 13.0:
@@ -96,6 +97,7 @@ def test_what_waits_too_long_is_taken_in_one_go(estimator, collector):
     first, second = collector.collect(2)
     assert (first.newest, second.newest) == (0.0, PATIENCE + 2.0)
     assert estimator.batches[1] == np.arange(1.0, PATIENCE + 3.0).tolist()
+    assert estimator.newest_only == [False, True]
 
 
 def test_what_waits_no_longer_than_lockstep_allows_is_worked_on_batch_by_batch(

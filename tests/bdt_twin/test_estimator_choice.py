@@ -21,7 +21,7 @@ class Stubborn:
     def restart(self):
         pass
 
-    def update(self, batch):
+    def update(self, batch, *, newest_only=False):
         return Estimate(float(batch[-1, 0]), 0.25, uncertainty=math.radians(1.0))
 """
 

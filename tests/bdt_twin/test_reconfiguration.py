@@ -25,7 +25,7 @@ def test_an_estimate_becomes_the_dead_zone_of_the_time_at_which_it_arrives():
     assert twin.deliver(7 * SECOND - 1) is None
     tolerance = PITCH * (0.2 + 0.02 + 0.001 * 3.0)
     arrived = twin.deliver(7 * SECOND)
-    assert arrived == Reconfiguration(7 * SECOND, 4 * SECOND, pytest.approx(tolerance))
+    assert arrived == Reconfiguration(7 * SECOND, 5 * SECOND, pytest.approx(tolerance))
 
 
 def test_nothing_is_sent_while_nothing_is_known():

@@ -67,10 +67,12 @@ def gap_bound(estimate: Estimate, time: float, coverage_factor: float) -> float:
     coverage_factor : float
         Standard uncertainties to add. An estimator that knows none adds nothing.
     """
+    age = max(time - estimate.time, 0.0)
     # A gap wears out and does not heal: a negative growth rate is noise.
-    growth = max(estimate.growth, 0.0) * max(time - estimate.time, 0.0)
-    margin = coverage_factor * estimate.uncertainty if coverage_factor else 0.0
-    return estimate.gap + growth + (margin if math.isfinite(margin) else 0.0)
+    growth = max(estimate.growth, 0.0) * age
+    doubt = math.hypot(estimate.uncertainty, estimate.growth_uncertainty * age)
+    margin = coverage_factor * doubt if math.isfinite(doubt) else 0.0
+    return estimate.gap + growth + margin
 
 
 class DeadZoneRule:

@@ -125,7 +125,7 @@ class EstimationThread:
         begins = bool(rows[0, 0] < self._last_time)
         estimate, fault = None, ""
         try:
-            estimate = self._estimator.update(rows)
+            estimate = self._estimator.update(rows, newest_only=len(batches) > 1)
         except TelemetryRejectedError as error:
             fault = str(error)
         if np.isfinite(rows[-1, 0]):

@@ -115,13 +115,20 @@ class InverseFilterEstimator:
         self._stream = TelemetryStream(self._settings.sampling_rate)
         self._start()
 
-    def update(self, batch: NDArray[np.float64]) -> Estimate | None:
+    def update(
+        self,
+        batch: NDArray[np.float64],
+        *,
+        newest_only: bool = False,  # noqa: ARG002
+    ) -> Estimate | None:
         """Take the next batch; see :class:`bdt_twin.estimator.Estimator`.
 
         Parameters
         ----------
         batch : ndarray, shape (n, 3)
             Telemetry rows (t [s], u [V], q3 [m]).
+        newest_only : bool
+            Makes no difference: a filter has to see all samples.
 
         Raises
         ------

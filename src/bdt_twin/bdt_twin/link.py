@@ -99,7 +99,7 @@ class Reconfiguration(NamedTuple):
     due : int
         Time at which it arrives [ns].
     estimated : int
-        Stamp of the estimate behind it [ns].
+        Stamp of the newest sample behind it [ns].
     tolerance : float
         Dead-zone tolerance epsilon_dz [m].
     """

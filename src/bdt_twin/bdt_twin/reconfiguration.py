@@ -1,6 +1,5 @@
 """From an estimate to a reconfiguration on its way: what node and offline loop share."""
 
-from bdt_msgs_py.reading import nanoseconds_from_seconds
 from bdt_twin.dead_zone_width import DeadZoneRule
 from bdt_twin.estimator import Estimate
 from bdt_twin.link import DelayedLink, Reconfiguration
@@ -26,7 +25,7 @@ class Reconfigurator:
         if estimate.is_known:
             effective = now * 1e-9 + self._link.expected_delay
             tolerance = self._rule.tolerance(estimate, effective)
-            self._link.send(now, nanoseconds_from_seconds(estimate.time), tolerance)
+            self._link.send(now, now, tolerance)
 
     def deliver(self, now: int) -> Reconfiguration | None:
         """Return the newest of what has arrived at `now` [ns]."""
