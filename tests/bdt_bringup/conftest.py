@@ -287,6 +287,14 @@ def small_loop() -> Messages:
 
 
 @pytest.fixture(scope="session")
+def shortest_loop() -> Messages:
+    """Return the messages of 0.6 s at low rates, with every topic that the analysis reads."""
+    messages = run_loop(Loop(duration=0.6, step_time=0.2, sampling_rate=500.0, control_rate=50.0))
+    messages.diagnosed_dead_zone(0.1, 1e-5)
+    return messages
+
+
+@pytest.fixture(scope="session")
 def following_bag(following_loop: Messages, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return following_loop.write(tmp_path_factory.mktemp("following") / "bag")
 
