@@ -166,6 +166,7 @@ class Messages:
     def dead_zone(self, time: float, value: float, **options) -> None:
         self.parameter(time, f"{self.namespace}/controller", DEAD_ZONE_PARAMETER, value, **options)
 
+    store = STORE
     rows_message = staticmethod(samples)
     joint_message = staticmethod(joint_state)
 

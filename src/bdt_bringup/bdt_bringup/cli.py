@@ -123,8 +123,7 @@ def _report(
     result = verdict(summary)
     console.print(f"{result.headline}: {result.details}", soft_wrap=True, highlight=False)
     if summary.missing:
-        missing = "; ".join(summary.missing)
-        console.print(f"missing in the bag: {missing}", soft_wrap=True, highlight=False)
+        console.print(f"note: {'; '.join(summary.missing)}", soft_wrap=True, highlight=False)
     console.print(f"report: {output / 'report.html'}", soft_wrap=True, highlight=False)
 
 

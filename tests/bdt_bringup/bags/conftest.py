@@ -46,7 +46,11 @@ def mcap_record(opcode: int, content: bytes) -> bytes:
 def mcap_chunk(content: bytes, compression: str, *, declared: int | None = None) -> bytes:
     """Return a chunk record; `declared` is its uncompressed size."""
     compressed = {"": bytes, "zstd": zstd.compress, "lz4": lz4.frame.compress}[compression](content)
-    head = struct.pack("<QQQI", 0, 2**62, len(content) if declared is None else declared, 0)
+    return chunk_of(compressed, compression, len(content) if declared is None else declared)
+
+
+def chunk_of(compressed: bytes, compression: str, declared: int) -> bytes:
+    head = struct.pack("<QQQI", 0, 2**62, declared, 0)
     name = struct.pack("<I", len(compression)) + compression.encode()
     return mcap_record(6, head + name + struct.pack("<Q", len(compressed)) + compressed)
 
@@ -81,3 +85,22 @@ def stored_bags(shortest_loop, tmp_path_factory) -> dict[str, StoredBag]:
         {**plain.files, plain.storage: without_summary(plain.files[plain.storage], "lz4")}
     )
     return bags
+
+
+class Mcap:
+    """What it takes to build mcap files by bytes."""
+
+    magic = MCAP_MAGIC
+    record = staticmethod(mcap_record)
+    records = staticmethod(mcap_records)
+    chunk = staticmethod(mcap_chunk)
+    chunk_of = staticmethod(chunk_of)
+
+    @staticmethod
+    def file(*records: bytes) -> bytes:
+        return MCAP_MAGIC + b"".join([*records, mcap_record(2, bytes(20)), MCAP_MAGIC])
+
+
+@pytest.fixture
+def mcap() -> type[Mcap]:
+    return Mcap

@@ -22,7 +22,7 @@ from rosbags.typesys.store import Typestore
 from ruamel.yaml.error import YAMLError
 
 from bdt_bringup.bags.bag_error import BagError, one_line
-from bdt_bringup.bags.expansion import ALWAYS_ALLOWED, ZSTD_MAGIC, allowed_size, expand
+from bdt_bringup.bags.expansion import ALWAYS_ALLOWED, ZSTD_MAGIC, allowed_size, expand_message
 from bdt_bringup.bags.storage_files import storage_files
 from bdt_bringup.bags.topic_selection import RecordedTopic, TopicSelection, select_topics
 from bdt_msgs_py.topics import JOINT_STATE, MEASUREMENT, TELEMETRY, Topic
@@ -213,7 +213,7 @@ def _message(path: Path, raw: RawTopic, received: object, stored: object, limit:
     if not stored.startswith(ZSTD_MAGIC):
         return stored
     try:
-        return expand(stored, "zstd", min(limit, allowed_size(len(stored))))
+        return expand_message(stored, min(limit, allowed_size(len(stored))))
     except BagError as error:
         raise BagError(f"bag {path}: message {len(raw.data)} of {raw.name}: {error}") from None
 

@@ -60,6 +60,34 @@ def expand(data: bytes, compression: str, limit: int) -> bytes:
     return b"".join(_pieces(BytesIO(data), compression, limit))
 
 
+def expand_message(data: bytes, limit: int) -> bytes:
+    """Return the content of one zstd frame; a bag may have a hundred thousand of them.
+
+    Parameters
+    ----------
+    data : bytes
+        Compressed data.
+    limit : int
+        Largest size of the result [bytes].
+
+    Raises
+    ------
+    BagError
+        If it is damaged, expands to more or is followed by something else.
+    """
+    frame = zstd.ZstdDecompressor()
+    try:
+        # With a limit, the output grows with what comes out, whatever size the frame declares.
+        content = frame.decompress(data, limit + 1)
+    except DAMAGED_COMPRESSION as error:
+        raise BagError(f"zstd data is damaged: {one_line(error)}") from None
+    if len(content) > limit:
+        raise _too_large("zstd", limit)
+    if not frame.eof or frame.unused_data:
+        raise BagError("zstd data is damaged: must be one whole frame")
+    return content
+
+
 def expanded_size(data: bytes, compression: str, limit: int) -> int:
     """Return the size [bytes] of the content without holding it.
 
@@ -106,12 +134,13 @@ def _pieces(compressed: IO[bytes], compression: str, limit: int) -> Iterator[byt
                 return
             size += len(piece)
             if size > limit:
-                raise BagError(
-                    f"{compression} data expands to more than {limit} bytes: must not (it may be "
-                    f"{LARGEST_EXPANSION} times its compressed size or {ALWAYS_ALLOWED} bytes)"
-                )
+                raise _too_large(compression, limit)
             yield piece
 
 
 def _open(compressed: IO[bytes], compression: str) -> Any:
     return zstd.open(compressed) if compression == "zstd" else lz4.frame.open(compressed)
+
+
+def _too_large(compression: str, limit: int) -> BagError:
+    return BagError(f"{compression} data expands to more than {limit} bytes: must not")

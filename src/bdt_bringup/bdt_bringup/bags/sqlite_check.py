@@ -15,8 +15,8 @@ MAGIC = b"SQLite format 3\0"
 LARGEST_DESCRIPTIONS = 5000
 """Number of topics, and of message definitions; a reader compares all with all."""
 
-LARGEST_PROFILES = 2**21
-"""Size of all quality of service profiles [bytes]; they are YAML, which is slow to read."""
+LARGEST_PROFILES = 2**20
+"""Size of all quality of service profiles [bytes]: YAML, of which 0.2 MB are read in a second."""
 
 _STEPS_BETWEEN_CHECKS = 100_000
 _STEPS_PER_BYTE = 50
@@ -44,7 +44,8 @@ def check_sqlite(path: Path) -> None:
         with closing(sqlite3.connect(uri, uri=True)) as connection:
             connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, max(size, 2**20))
             _limit_work(connection, size)
-            _check(connection)
+            _check_schema(connection)
+            _check_content(connection)
     except (sqlite3.Error, UnicodeDecodeError) as error:
         # The second one comes from names that are no text.
         raise BagError(f"is not an intact sqlite3 database: {one_line(error)}") from None
@@ -61,38 +62,53 @@ def _limit_work(connection: sqlite3.Connection, size: int) -> None:
     connection.set_progress_handler(interrupt, _STEPS_BETWEEN_CHECKS)
 
 
-def _check(connection: sqlite3.Connection) -> None:
+def _check_schema(connection: sqlite3.Connection) -> None:
+    """Refuse what computes instead of holding."""
     for kind, name, statement in connection.execute("SELECT type, name, sql FROM sqlite_master"):
         virtual = kind == "table" and "virtual" in str(statement).lower().split()[:2]
         if kind not in {"table", "index"} or virtual:
             raise BagError(f"holds the {'virtual ' if virtual else ''}{kind} {name}: must not")
     for table in _TABLES:
-        for *_, column, _, _, _, _, hidden in connection.execute(f"PRAGMA table_xinfo({table})"):
+        for _, column, *_, hidden in connection.execute(f"PRAGMA table_xinfo({table})"):
             if hidden:
                 raise BagError(f"computes the column {column} of {table}: must hold it")
+
+
+def _check_content(connection: sqlite3.Connection) -> None:
     (verdict,) = connection.execute("PRAGMA quick_check(1)").fetchone()
     if verdict != "ok":
-        raise BagError(f"is a damaged sqlite3 database: {' '.join(str(verdict).split())}")
+        raise BagError(f"is a damaged sqlite3 database: {verdict}")
     columns = {row[1] for row in connection.execute("PRAGMA table_info(topics)")}
     if not columns:
         raise BagError("is a sqlite3 database without the table topics: is no bag")
-    topics, identifiers = connection.execute(
-        "SELECT count(*), count(DISTINCT id) FROM topics"
-    ).fetchone()
+    topics, identifiers = _counts(connection, "count(*), count(DISTINCT id) FROM topics")
     if topics != identifiers or topics > LARGEST_DESCRIPTIONS:
         raise BagError(
             f"has {topics} topics with {identifiers} identifiers: must be as many, "
             f"{LARGEST_DESCRIPTIONS} at most"
         )
     if "offered_qos_profiles" in columns:
-        (profiles,) = connection.execute(
-            "SELECT coalesce(sum(length(offered_qos_profiles)), 0) FROM topics"
-        ).fetchone()
+        (profiles,) = _counts(
+            connection, "coalesce(sum(length(offered_qos_profiles)), 0) FROM topics"
+        )
         if profiles > LARGEST_PROFILES:
             raise BagError(
                 f"has {profiles} bytes of quality of service: must be {LARGEST_PROFILES} or less"
             )
+    (others,) = _counts(
+        connection,
+        "count(*) FROM messages WHERE typeof(timestamp) != 'integer' OR typeof(data) != 'blob'",
+    )
+    if others:
+        raise BagError(f"has {others} messages whose time or data is of another type: must not")
     if connection.execute("PRAGMA table_info(message_definitions)").fetchall():
-        (count,) = connection.execute("SELECT count(*) FROM message_definitions").fetchone()
-        if count > LARGEST_DESCRIPTIONS:
-            raise BagError(f"has {count} message definitions: {LARGEST_DESCRIPTIONS} at most")
+        (definitions,) = _counts(connection, "count(*) FROM message_definitions")
+        if definitions > LARGEST_DESCRIPTIONS:
+            raise BagError(
+                f"has {definitions} message definitions: must be {LARGEST_DESCRIPTIONS} or less"
+            )
+
+
+def _counts(connection: sqlite3.Connection, what: str) -> tuple[int, ...]:
+    row: tuple[int, ...] = connection.execute(f"SELECT {what}").fetchone()
+    return row

@@ -168,8 +168,6 @@ def _namespace(
     """Return the namespace of the loop."""
     loops: list[str] = []
     for topic in (TELEMETRY, MEASUREMENT):
-        if topic in found:
-            loops = loops or [_split(found[topic].name)[0]]
         loops = loops or sorted(
             _split(x.name)[0]
             for x in recorded
@@ -177,18 +175,27 @@ def _namespace(
         )
     if selection.namespace is not None:
         namespace = absolute(selection.namespace)
-        if loops and namespace not in loops:
+        # Telemetry may be elsewhere; then any topic of a loop shows where the others are.
+        if all(_split(x.name)[0] != namespace for x in recorded if _is_of_loop(x)):
             raise BagError(
                 f"has no loop in namespace {namespace or '/'}: "
-                f"must be {' or '.join(x or '/' for x in loops)}"
+                f"must be {' or '.join(x or '/' for x in loops) or 'one that it has'}"
             )
         return namespace
+    for topic in (TELEMETRY, MEASUREMENT):
+        if topic in found:
+            return _split(found[topic].name)[0]
     if len(loops) > 1:
         raise BagError(
             f"holds {len(loops)} loops, in the namespaces {' and '.join(x or '/' for x in loops)}: "
             "choose one with --namespace NAME"
         )
     return loops[0] if loops else ""
+
+
+def _is_of_loop(recorded: RecordedTopic) -> bool:
+    topic = TOPICS.get(_split(recorded.name)[1])
+    return topic in CONTENTS and recorded.message_type == topic.message_type
 
 
 def _candidates(
