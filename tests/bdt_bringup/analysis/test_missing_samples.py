@@ -45,3 +45,13 @@ def test_limit_cycle_and_its_end_with_dropped_samples(signal_messages, tmp_path,
     assert summary.steps[0].residual_peak_to_peak_m == pytest.approx(2e-5, rel=1e-3)
     assert summary.missing_samples == drop.sum()
     assert summary.lost_messages == 0
+
+
+def test_dropped_samples_do_not_shift_the_bias(signal_messages, tmp_path):
+    """A sensor that drops every other sample on one side of the oscillation."""
+    time = np.arange(10_000) * 1e-3
+    swing = np.sin(4 * np.pi * time)
+    drop = (swing > 0) & (np.arange(time.size) % 2 == 1)
+    position = np.where(drop, np.nan, 1e-3 + 1e-5 * swing)
+    summary = analyze(signal_messages(time, position, [(0.0, 1e-3)]).write(tmp_path / "bag"))
+    assert summary.steps[0].bias_m == pytest.approx(0.0, abs=1e-9)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
+from bdt_bringup.bags import bag_reader
 from bdt_bringup.bags.bag_reader import BagError, read_bag
 from bdt_bringup.bags.recording import load_recording
 from bdt_msgs_py.topics import (
@@ -132,6 +133,23 @@ def test_damaged_message(small_loop, tmp_path):
     messages.add(TRUTH, 1.0, b"\x00\x01\x00\x00\x01")
     with pytest.raises(BagError, match=r"message \d+ of /truth is damaged"):
         load_recording(messages.write(tmp_path / "bag"))
+
+
+@pytest.mark.parametrize(
+    ("compression", "reason"),
+    [
+        (CompressionMode.NONE, "holds more data than a bag of its size may"),
+        (CompressionMode.MESSAGE, r"message \d of /telemetry: zstd data expands to more than"),
+    ],
+)
+def test_messages_that_together_are_too_large(
+    small_loop, tmp_path, monkeypatch, compression, reason
+):
+    """Each of them may be allowed by itself."""
+    path = small_loop.write(tmp_path / "bag", compression=compression)
+    monkeypatch.setattr(bag_reader, "allowed_size", lambda _: 20_000)
+    with pytest.raises(BagError, match=reason):
+        read_bag(path)
 
 
 def test_errors_are_value_errors(tmp_path: Path):

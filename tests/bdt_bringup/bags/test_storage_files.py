@@ -17,7 +17,9 @@ from bdt_bringup.bags.storage_files import storage_files
 
 
 def state(folder: Path) -> dict[str, tuple[bytes, int]]:
-    return {x.name: (x.read_bytes(), x.stat().st_mtime_ns) for x in folder.iterdir()}
+    """Return contents and times; that of the folder tells of files that came and went."""
+    files = {x.name: (x.read_bytes(), x.stat().st_mtime_ns) for x in folder.iterdir()}
+    return files | {".": (b"", folder.stat().st_mtime_ns)}
 
 
 def refused(path: Path) -> str:

@@ -86,6 +86,8 @@ def test_content_that_two_could_have_is_not_guessed():
     assert "reference" not in found
     chosen = select(both, measurement="/x")
     assert (chosen["measurement"], chosen["reference"]) == ("/x", "/y")
+    del both[RecordedTopic("/y", REFERENCE.message_type)]
+    assert not {"measurement", "reference"} & set(select(both))
     twins = names(truth="/x") | {RecordedTopic("/y", TRUTH.message_type): CONTENTS[TRUTH]}
     assert "truth" not in select(twins)
 
@@ -116,6 +118,8 @@ def test_nothing_to_analyze():
         select({})
     with pytest.raises(BagError, match="if /arm is it, say --topic measurement=/arm"):
         select({RecordedTopic("/arm", MEASUREMENT.message_type): "elbow"})
+    with pytest.raises(BagError, match="it has /truth"):
+        select({RecordedTopic("/truth", TRUTH.message_type): CONTENTS[TRUTH]})
 
 
 @pytest.mark.parametrize("text", ["telemetry=/my/x", "telemetry:=/my/x", "telemetry=my/x"])

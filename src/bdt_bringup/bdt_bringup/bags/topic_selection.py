@@ -239,7 +239,11 @@ def _add_by_content(
 
 def _nothing_found(recorded: Collection[RecordedTopic]) -> str:
     for topic in (TELEMETRY, MEASUREMENT):
-        alike = sorted(x.name for x in recorded if x.message_type == topic.message_type)
+        alike = sorted(
+            x.name
+            for x in recorded
+            if x.message_type == topic.message_type and _split(x.name)[1] not in TOPICS
+        )
         if alike:
             return (
                 f"lacks topic {TELEMETRY.name} or {MEASUREMENT.name}; if {alike[0]} is it, say "
