@@ -84,7 +84,7 @@ def test_metadata_of_another_version(small_loop, tmp_path):
 
 def test_telemetry_or_measurement_is_required(small_loop, tmp_path):
     path = small_loop.without(TELEMETRY, MEASUREMENT, TRUTH, REFERENCE).write(tmp_path / "bag")
-    with pytest.raises(BagError, match="lacks topic telemetry or measurement"):
+    with pytest.raises(BagError, match=r"lacks topic telemetry \(.*\) or measurement \("):
         read_bag(path)
 
 

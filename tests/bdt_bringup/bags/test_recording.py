@@ -1,5 +1,7 @@
 """What a recording says, whatever its clocks, topics and gaps."""
 
+from time import process_time
+
 import numpy as np
 import pytest
 
@@ -193,3 +195,14 @@ def test_missing_batches():
     assert missing_batches(np.delete(times, slice(200, 400)), 100, 0.0, 10.0) == 2
     assert missing_batches(times[100:], 100, 0.0, np.nan) == 1
     assert missing_batches(times[100:], 100, np.nan, np.nan) == 0
+
+
+def test_two_minutes_of_telemetry_load_within_a_second(signal_messages, tmp_path):
+    """600 000 rows in batches of 0.1 s; processor time, because a busy machine tests nothing."""
+    time = np.arange(600_000) / 5000
+    messages = signal_messages(time, np.sin(time), [(0.0, 1.0)], batch=500)
+    path = messages.write(tmp_path / "bag")
+    begin = process_time()
+    recording = load_recording(path)
+    assert process_time() - begin < 1.0
+    np.testing.assert_array_equal(recording.telemetry[:, 2], np.sin(time))
