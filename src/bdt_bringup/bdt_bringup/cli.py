@@ -9,7 +9,8 @@ from pathlib import Path
 from rich.console import Console
 
 from bdt_bringup.analysis.step_table import step_table
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
+from bdt_bringup.bags.topic_selection import TopicSelection, topic_remapping
 from bdt_bringup.benchmarks.bench_table import bench_table
 from bdt_bringup.running.configuration import BadInputError, load_configuration
 from bdt_bringup.running.run_plan import plan_run
@@ -72,7 +73,8 @@ def _run(options: argparse.Namespace) -> int:
 
 def _analyze(options: argparse.Namespace) -> int:
     beside = options.bag.parent / f"{options.bag.name}_report"
-    _report(options.bag, options.output or beside, as_json=options.json)
+    selection = TopicSelection(options.namespace, dict(map(topic_remapping, options.topic)))
+    _report(options.bag, options.output or beside, selection, as_json=options.json)
     return 0
 
 
@@ -106,11 +108,13 @@ def _bench(options: argparse.Namespace) -> int:
     return 0
 
 
-def _report(bag: Path, output: Path, *, as_json: bool) -> None:
+def _report(
+    bag: Path, output: Path, selection: TopicSelection | None = None, *, as_json: bool
+) -> None:
     from bdt_bringup.analysis.analyze import analyze  # noqa: PLC0415
     from bdt_bringup.analysis.report import verdict  # noqa: PLC0415
 
-    summary = analyze(bag, output)
+    summary = analyze(bag, output, selection)
     if as_json:
         print(json.dumps(summary.to_dictionary(), indent=2))
         return
@@ -118,6 +122,8 @@ def _report(bag: Path, output: Path, *, as_json: bool) -> None:
     console.print(step_table(summary))
     result = verdict(summary)
     console.print(f"{result.headline}: {result.details}", soft_wrap=True, highlight=False)
+    if summary.missing:
+        console.print(f"note: {'; '.join(summary.missing)}", soft_wrap=True, highlight=False)
     console.print(f"report: {output / 'report.html'}", soft_wrap=True, highlight=False)
 
 
@@ -163,6 +169,16 @@ def _parser() -> argparse.ArgumentParser:
     analyze_command.add_argument("bag", type=Path, metavar="BAG", help="rosbag2 folder or file")
     analyze_command.add_argument(
         "--output", type=Path, metavar="DIR", help="folder for the report (default: BAG_report)"
+    )
+    analyze_command.add_argument(
+        "--namespace", metavar="NAME", help="namespace of the loop, for a bag that holds several"
+    )
+    analyze_command.add_argument(
+        "--topic",
+        action="append",
+        default=[],
+        metavar="TOPIC=NAME",
+        help="a topic that was remapped: telemetry=/my/telemetry (repeatable)",
     )
     analyze_command.add_argument("--json", action="store_true", help="print summary.json")
     analyze_command.set_defaults(command=_analyze)
