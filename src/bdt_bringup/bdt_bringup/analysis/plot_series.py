@@ -1,0 +1,295 @@
+"""The signals of a run as curves of the interactive plots, decimated without losing an extreme."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_bringup.analysis.figures import residual_limit
+from bdt_bringup.analysis.reference_steps import ReferenceStep
+from bdt_bringup.drawing.decimation import envelope
+from bdt_bringup.run_signals import RunSignals
+
+FloatArray = NDArray[np.float64]
+
+STRETCHES = 60_000
+"""Stretches of time of which a page holds first, smallest, largest and last sample: 2 ms of the
+paper's 120 s, one control period."""
+
+SAME_POSITION = 1e-9
+"""Difference [m] up to which the true position is the measured one."""
+
+TRUE_GAP, TRUE_Q3 = 3, 6
+"""Columns of the truth."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One plot above the common time axis.
+
+    Attributes
+    ----------
+    key : str
+        Name by which a curve says where it belongs.
+    title : str
+        Quantity and unit.
+    range : tuple of float, optional
+        Lower and upper end at first [unit of the title]; None shows everything.
+    """
+
+    key: str
+    title: str
+    range: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Series:
+    """One curve.
+
+    Attributes
+    ----------
+    panel : str
+        Key of its panel.
+    name : str
+        What the legend says.
+    color : str
+        CSS variable of the page, without the dashes.
+    time, value : ndarray, shape (n,)
+        Points [s, unit of the panel]; NaN interrupts the line.
+    run : int
+        Index of the run, if there are several.
+    steps : bool
+        True for a value that holds until the next point.
+    dash : str
+        Plotly's name of the line style.
+    width : float
+        Width of the line [px].
+    fill : bool
+        True to fill the area down to the series before.
+    quiet : bool
+        True for the second edge of a band, which needs no legend.
+    samples : int
+        Number of samples behind the points.
+    stretch : float or None
+        Length of the stretches of which only the extremes are held [s]; None when `time` and
+        `value` are every sample.
+    """
+
+    panel: str
+    name: str
+    color: str
+    time: FloatArray
+    value: FloatArray
+    run: int = 0
+    steps: bool = False
+    dash: Literal["solid", "dash", "dot"] = "solid"
+    width: float = 1.4
+    fill: bool = False
+    quiet: bool = False
+    samples: int = 0
+    stretch: float | None = None
+
+
+def panels(run: RunSignals, steps: list[ReferenceStep]) -> list[Panel]:
+    """Return the plots of a run from top to bottom.
+
+    The panel of the error begins at the scale of what is left at the end of a step.
+
+    Parameters
+    ----------
+    run : RunSignals
+        The run.
+    steps : list of ReferenceStep
+        Its steps.
+    """
+    judged = [step for step in steps if not step.cut]
+    limit = 1e6 * residual_limit(run, judged)
+    return [
+        Panel("position", "position [mm]"),
+        Panel("error", "error q3 − r [µm]", (-limit, limit)),  # noqa: RUF001 - a minus sign
+        Panel("voltage", "voltage u [V]"),
+        Panel("gap", "gap [deg]"),
+    ]
+
+
+def run_series(
+    run: RunSignals, steps: list[ReferenceStep], stretches: int = STRETCHES
+) -> list[Series]:
+    """Return the curves of a run.
+
+    Parameters
+    ----------
+    run : RunSignals
+        The run.
+    steps : list of ReferenceStep
+        Its steps.
+    stretches : int
+        Number of stretches of time of which the extremes are kept.
+
+    Returns
+    -------
+    list of Series
+        In the order in which they are drawn. A curve without data is left out; the true position
+        as well when the measured one is the same.
+    """
+    time, voltage, q3 = run.telemetry.T
+    reference = _reference(steps, time)
+    measured = _Decimation(run, stretches)
+    curves = [
+        *_dead_zone_band(run),
+        measured.series("position", "position q3", "position", time, 1e3 * q3),
+        measured.series("error", "q3 − r", "position", time, 1e6 * (q3 - reference)),  # noqa: RUF001
+        measured.series("voltage", "voltage u", "ink", time, voltage),
+    ]
+    if run.truth is not None:
+        curves += _truth(run, run.truth, steps, measured)
+    curves += _reference_levels(steps)
+    degrees = float(np.rad2deg(1.0))
+    curves += [
+        _held(run, run.estimates, degrees, panel="gap", name="estimated gap", color="estimate"),
+        _held(
+            run,
+            run.dead_zones,
+            degrees / run.pitch,
+            panel="gap",
+            name="dead zone ε/p",
+            color="dead-zone",
+            dash="dash",
+        ),
+    ]
+    return [curve for curve in curves if curve.time.size]
+
+
+def of_run(series: list[Series], run: int, name: str, color: str) -> list[Series]:
+    """Return curves as those of one of several runs: its color, its name in the legend.
+
+    Parameters
+    ----------
+    series : list of Series
+        From :func:`run_series`.
+    run : int
+        Index of the run.
+    name : str
+        Name of the run.
+    color : str
+        Its CSS variable.
+    """
+    return [replace(curve, run=run, color=color, name=f"{name}: {curve.name}") for curve in series]
+
+
+class _Decimation:
+    """Makes curves of samples on the clock of a run."""
+
+    def __init__(self, run: RunSignals, stretches: int) -> None:
+        self._run, self._stretches = run, stretches
+
+    def series(
+        self, panel: str, name: str, color: str, time: FloatArray, value: FloatArray
+    ) -> Series:
+        known = np.isfinite(value)
+        time, value = time[known], value[known]
+        if time.size < 2:
+            return Series(panel=panel, name=name, color=color, time=time, value=value)
+        gap = 1.5 * float(np.median(np.diff(time)))
+        times, values = envelope(time, value, self._stretches, gap)
+        whole = times.size >= time.size
+        return Series(
+            panel=panel,
+            name=name,
+            color=color,
+            time=times,
+            value=values,
+            samples=time.size,
+            stretch=None if whole else float(time[-1] - time[0]) / self._stretches,
+        )
+
+
+def _truth(
+    run: RunSignals, truth: FloatArray, steps: list[ReferenceStep], decimation: _Decimation
+) -> list[Series]:
+    """Return the true gap, and the true position where the measured one differs."""
+    time = truth[:, 0]
+    gap = decimation.series("gap", "true gap", "faint", time, np.rad2deg(truth[:, TRUE_GAP]))
+    curves = [replace(gap, width=3.0)]
+    true_q3 = truth[:, TRUE_Q3]
+    measured = np.interp(time, run.telemetry[:, 0], run.telemetry[:, 2])
+    inside = (time >= run.telemetry[0, 0]) & (time <= run.telemetry[-1, 0])
+    if (np.abs(true_q3 - measured)[inside] > SAME_POSITION).any():
+        error = 1e6 * (true_q3 - _reference(steps, time))
+        curves += [
+            decimation.series("position", "true q3", "faint", time, 1e3 * true_q3),
+            decimation.series("error", "true q3 − r", "faint", time, error),  # noqa: RUF001
+        ]
+    return curves
+
+
+def _reference(steps: list[ReferenceStep], time: FloatArray) -> FloatArray:
+    """Return the reference at each time [m]; NaN before the first step."""
+    if not steps:
+        return np.full(time.shape, np.nan)
+    starts = np.array([step.t_start for step in steps])
+    levels = np.array([step.reference for step in steps])
+    # Stamps and sample times are rounded differently: a step begins with its own sample.
+    index = np.searchsorted(starts, time + 1e-9, side="right") - 1
+    return np.where(index >= 0, levels[index], np.nan)
+
+
+def _reference_levels(steps: list[ReferenceStep]) -> list[Series]:
+    if not steps:
+        return []
+    time = np.array([*(step.t_start for step in steps), steps[-1].t_end])
+    level = np.array([*(step.reference for step in steps), steps[-1].reference])
+    return [
+        Series(
+            panel="position",
+            name="reference r",
+            color="ink",
+            time=time,
+            value=1e3 * level,
+            steps=True,
+            dash="dash",
+            samples=len(steps),
+        )
+    ]
+
+
+def _held(
+    run: RunSignals,
+    rows: FloatArray,
+    scale: float,
+    *,
+    panel: str,
+    name: str,
+    color: str,
+    dash: Literal["solid", "dash", "dot"] = "solid",
+    fill: bool = False,
+    quiet: bool = False,
+) -> Series:
+    """Return a value that holds until the next one, the last one until the end of the run."""
+    end = float(run.telemetry[-1, 0])
+    if len(rows) and rows[-1, 0] < end:
+        rows = np.vstack([rows[:, :2], [end, rows[-1, 1]]])
+    return Series(
+        panel=panel,
+        name=name,
+        color=color,
+        time=rows[:, 0],
+        value=scale * rows[:, 1],
+        steps=True,
+        dash=dash,
+        fill=fill,
+        quiet=quiet,
+        samples=len(rows),
+    )
+
+
+def _dead_zone_band(run: RunSignals) -> list[Series]:
+    """Return lower and upper edge of the dead zone around the reference."""
+    rows = run.dead_zones
+    if not len(rows) or not rows[:, 1].any():
+        return []
+    name, color = "dead zone ±ε", "dead-zone"
+    lower = _held(run, rows, -1e6, panel="error", name=name, color=color, dash="dash", quiet=True)
+    upper = _held(run, rows, 1e6, panel="error", name=name, color=color, dash="dash", fill=True)
+    return [lower, upper]
