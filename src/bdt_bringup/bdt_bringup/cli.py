@@ -72,7 +72,14 @@ def _run(options: argparse.Namespace) -> int:
 
 def _analyze(options: argparse.Namespace) -> int:
     beside = options.bag.parent / f"{options.bag.name}_report"
-    _report(options.bag, options.output or beside, as_json=options.json)
+    _report(options.bag, options.output or beside, as_json=options.json, export=options.export)
+    return 0
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from bdt_bringup.analysis.compare_command import run_comparison  # noqa: PLC0415
+
+    run_comparison(options.bags, options.output, as_json=options.json)
     return 0
 
 
@@ -106,11 +113,12 @@ def _bench(options: argparse.Namespace) -> int:
     return 0
 
 
-def _report(bag: Path, output: Path, *, as_json: bool) -> None:
+def _report(bag: Path, output: Path, *, as_json: bool, export: str | None = None) -> None:
     from bdt_bringup.analysis.analyze import analyze  # noqa: PLC0415
+    from bdt_bringup.analysis.export import checked_formats  # noqa: PLC0415
     from bdt_bringup.analysis.report import verdict  # noqa: PLC0415
 
-    summary = analyze(bag, output)
+    summary = analyze(bag, output, () if export is None else checked_formats(export))
     if as_json:
         print(json.dumps(summary.to_dictionary(), indent=2))
         return
@@ -164,8 +172,28 @@ def _parser() -> argparse.ArgumentParser:
     analyze_command.add_argument(
         "--output", type=Path, metavar="DIR", help="folder for the report (default: BAG_report)"
     )
+    analyze_command.add_argument(
+        "--export",
+        metavar="FORMATS",
+        help="also write figures (png, svg) and signals (csv, parquet); separated by commas",
+    )
     analyze_command.add_argument("--json", action="store_true", help="print summary.json")
     analyze_command.set_defaults(command=_analyze)
+    compare = commands.add_parser(
+        "compare",
+        help="overlay the runs of several bags in one page",
+        description="Analyze several bags and set them side by side; needs no ROS.",
+    )
+    compare.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="rosbag2 folder or file")
+    compare.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE",
+        default=Path("comparison.html"),
+        help="page (default: comparison.html)",
+    )
+    compare.add_argument("--json", action="store_true", help="print the numbers of all runs")
+    compare.set_defaults(command=_compare)
     bench = commands.add_parser(
         "bench",
         help="measure cores and transport beside a peer and a floor",

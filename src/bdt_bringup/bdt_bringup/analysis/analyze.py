@@ -1,7 +1,9 @@
 """From a bag to a report: load, analyze, write."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from bdt_bringup.analysis.export import FOLDER, export
 from bdt_bringup.analysis.figures import overview_figure, residual_figure
 from bdt_bringup.analysis.reference_steps import ReferenceStep, find_steps
 from bdt_bringup.analysis.report import render_report
@@ -15,7 +17,7 @@ REPORT_FILE = "report.html"
 FIGURE_FILE = "figure.png"
 
 
-def analyze(bag: Path, output: Path | None = None) -> Summary:
+def analyze(bag: Path, output: Path | None = None, formats: Sequence[str] = ()) -> Summary:
     """Analyze a bag and write ``report.html``, ``summary.json`` and ``figure.png``.
 
     Parameters
@@ -25,6 +27,8 @@ def analyze(bag: Path, output: Path | None = None) -> Summary:
     output : Path, optional
         Folder for the results, created if necessary; results of an earlier analysis are
         replaced. None writes nothing.
+    formats : sequence of str
+        What is exported beside the report; see :mod:`bdt_bringup.analysis.export`.
 
     Returns
     -------
@@ -41,7 +45,7 @@ def analyze(bag: Path, output: Path | None = None) -> Summary:
     summary = summarize(recording, steps)
     if output is not None:
         _prepare(Path(output), Path(bag))
-        _write(Path(output), recording, steps, summary)
+        _write(Path(output), recording, steps, summary, formats)
     return summary
 
 
@@ -57,7 +61,11 @@ def _prepare(output: Path, bag: Path) -> None:
 
 
 def _write(
-    output: Path, recording: Recording, steps: list[ReferenceStep], summary: Summary
+    output: Path,
+    recording: Recording,
+    steps: list[ReferenceStep],
+    summary: Summary,
+    formats: Sequence[str],
 ) -> None:
     overview = overview_figure(recording, steps, summary.steps)
     residuals = residual_figure(recording, steps, summary.steps)
@@ -72,6 +80,9 @@ def _write(
         (output / SUMMARY_FILE).write_text(summary.to_json(), encoding="utf-8")
         (output / REPORT_FILE).write_text(report, encoding="utf-8")
         write_png(overview, output / FIGURE_FILE)
+        if formats:
+            figures = {"overview": overview} | ({"residuals": residuals} if residuals else {})
+            export(output / FOLDER, formats, recording, summary.steps, figures)
     except OSError as error:
         raise _not_writable(output, error) from None
 

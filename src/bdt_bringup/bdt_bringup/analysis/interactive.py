@@ -3,8 +3,6 @@
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from plotly.offline import get_plotlyjs
-
 from bdt_bringup.analysis.plot_series import Panel, Series
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.step_analysis import StepSummary
@@ -36,8 +34,8 @@ class PlottedRun:
 
 def interactive_part(
     panels: list[Panel], series: list[Series], runs: list[PlottedRun], time_label: str
-) -> dict[str, Any]:
-    """Return the values that the template ``interactive.html`` needs.
+) -> dict[str, Any] | None:
+    """Return the values that the template ``interactive.html`` needs; None without plotly.
 
     Times are held relative to the earliest one, so that 32-bit floats resolve them.
 
@@ -52,10 +50,13 @@ def interactive_part(
     time_label : str
         Title of the time axis.
     """
+    library = _plotly_library()
+    if library is None:
+        return None
     origin = min(run.begin for run in runs)
     arrays = [array for item in series for array in (item.time - origin, item.value)]
     return {
-        "plotly": packed_text(get_plotlyjs().encode()),
+        "plotly": packed_text(library),
         "signals": packed_text(packed_arrays(arrays)),
         "description": {
             "time_label": time_label,
@@ -65,6 +66,16 @@ def interactive_part(
             "runs": [_run_description(run) for run in runs],
         },
     }
+
+
+def _plotly_library() -> bytes | None:
+    try:
+        # No rosdep key is known for it: a ROS machine without it gets a report without it.
+        from plotly.offline import get_plotlyjs  # noqa: PLC0415
+    except ModuleNotFoundError:
+        return None
+    text: str = get_plotlyjs()
+    return text.encode()
 
 
 def _description(series: Series) -> dict[str, Any]:

@@ -161,23 +161,6 @@ def run_series(
     return [curve for curve in curves if curve.time.size]
 
 
-def of_run(series: list[Series], run: int, name: str, color: str) -> list[Series]:
-    """Return curves as those of one of several runs: its color, its name in the legend.
-
-    Parameters
-    ----------
-    series : list of Series
-        From :func:`run_series`.
-    run : int
-        Index of the run.
-    name : str
-        Name of the run.
-    color : str
-        Its CSS variable.
-    """
-    return [replace(curve, run=run, color=color, name=f"{name}: {curve.name}") for curve in series]
-
-
 class _Decimation:
     """Makes curves of samples on the clock of a run."""
 

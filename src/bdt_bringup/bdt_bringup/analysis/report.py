@@ -8,6 +8,7 @@ from bdt_bringup.analysis.interactive import PlottedRun, interactive_part
 from bdt_bringup.analysis.plot_series import panels, run_series
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.report_tables import detail_tables, steps_table
+from bdt_bringup.analysis.run_names import run_names
 from bdt_bringup.analysis.summary import Summary
 from bdt_bringup.bags.recording import Recording
 from bdt_bringup.pages.rendering import render_page
@@ -113,7 +114,7 @@ def render_report(
     overview, residuals : str
         The figures as SVG elements; None for a figure without content.
     """
-    name = recording.path.resolve().name
+    name = run_names([recording.path])[0]
     telemetry = recording.telemetry
     run = PlottedRun(name, telemetry[0, 0], telemetry[-1, 0], steps, summary.steps)
     return render_page(

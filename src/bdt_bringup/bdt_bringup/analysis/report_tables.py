@@ -21,8 +21,8 @@ STEP_COLUMNS = (
     Column("bias", "% of amplitude"),
     Column("settling time", "s"),
     Column("limit cycle", text=True),
-    Column("its amplitude", "µm"),
-    Column("its frequency", "Hz"),
+    Column("limit cycle amplitude", "µm"),
+    Column("limit cycle frequency", "Hz"),
 )
 
 

@@ -15,7 +15,7 @@ function connect(timePlot, cyclePlot) {
     const step = steps[number - 1];
     if (!step) return;
     cyclePlot.index = number - 1;
-    rows.forEach((row) => row.setAttribute("aria-selected", row.dataset.step === String(number)));
+    rows.forEach((row) => row.classList.toggle("selected", row.dataset.step === String(number)));
     await cyclePlot.draw();
     if (!move) return;
     const begin = end ? step.end - step.window : step.begin;

@@ -74,6 +74,8 @@ class Table:
 def number(value: float | None, form: str, scale: float = 1.0) -> str:
     """Return a number as text, with an ASCII minus sign; blank when it is unknown.
 
+    What rounds to zero has no sign.
+
     Parameters
     ----------
     value : float or None
@@ -83,4 +85,7 @@ def number(value: float | None, form: str, scale: float = 1.0) -> str:
     scale : float
         Factor from the unit of `value` to that of the column.
     """
-    return UNKNOWN if value is None else format(value * scale, form)
+    if value is None:
+        return UNKNOWN
+    text = format(value * scale, form)
+    return text.removeprefix("-") if not text.strip("-0.") else text

@@ -127,10 +127,12 @@ class TimePlot {
   // Steps that end in a limit cycle; of several runs none is shaded.
   shading() {
     if (this.description.runs.length > 1) return [];
-    return this.description.runs[0].steps.filter((step) => step.limit_cycle).map((step) => ({
-      type: "rect", xref: "x", yref: "paper", x0: step.begin, x1: step.end, y0: 0, y1: 1,
-      layer: "below", line: { width: 0 }, fillcolor: css("alarm"),
-    }));
+    const steps = this.description.runs[0].steps.filter((step) => step.limit_cycle);
+    return this.description.panels.flatMap((panel) => steps.map((step) => ({
+      type: "rect", xref: "x", yref: `y${this.axis(panel.key)} domain`,
+      x0: step.begin, x1: step.end, y0: 0, y1: 1,
+      layer: "below", line: { width: 0 }, fillcolor: css("alarm"), opacity: 0.7,
+    })));
   }
 
   async draw() {
@@ -183,8 +185,8 @@ class TimePlot {
     const pixel = (end - begin) / this.columns;
     const density = item.samples / (item.time[item.time.length - 1] - item.time[0]);
     const held = item.stretch
-      ? `The page holds ${plain(item.points)} of ${plain(item.samples)} samples: first, smallest, largest and last of every ${time(item.stretch)} (${Math.round(density * item.stretch)} samples). `
-      : `The page holds every one of the ${plain(item.samples)} samples. `;
+      ? `The page holds ${plain(item.points)} of ${plain(item.samples)} samples of a signal: first, smallest, largest and last of every ${time(item.stretch)} (${Math.round(density * item.stretch)} samples). `
+      : `The page holds every one of the ${plain(item.samples)} samples of a signal. `;
     const drawn = views[k].whole
       ? "This view draws all of them that lie in it."
       : `This view draws first, smallest, largest and last of each pixel column of ${time(pixel)}, ${plain(Math.round(pixel * density))} samples.`;
