@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from bdt_bringup.analysis.interactive import PlottedRun
-from bdt_bringup.analysis.plot_series import STRETCHES, Panel, Series, panels, run_series
+from bdt_bringup.analysis.plot_series import MOST_POINTS, Panel, Series, panels, run_series
 from bdt_bringup.analysis.reference_steps import ReferenceStep, find_steps
 from bdt_bringup.analysis.report_tables import STEP_COLUMNS, step_cells
 from bdt_bringup.analysis.run_names import run_names
@@ -88,7 +88,7 @@ def compared_series(runs: Sequence[ComparedRun]) -> list[Series]:
     """
     series: list[Series] = []
     for k, run in enumerate(runs):
-        for curve in run_series(run.recording, run.steps, STRETCHES // len(runs)):
+        for curve in run_series(run.recording, run.steps, MOST_POINTS // len(runs)):
             if curve.panel == "error" and curve.steps:
                 continue  # bands of several runs would cover each other
             if curve.name == "reference r":

@@ -15,7 +15,13 @@ FloatArray = NDArray[np.float64]
 
 STRETCHES = 60_000
 """Stretches of time of which a page holds first, smallest, largest and last sample: 2 ms of the
-paper's 120 s, one control period."""
+paper's 120 s, one control period. Half as many, or a quarter, when that is too many points."""
+
+MOST_POINTS = 400_000
+"""Points of all curves together that a page may hold: less than 2.2 MB of it, also for noise."""
+
+FEWEST_STRETCHES = 2_000
+"""Stretches that are held in any case."""
 
 SAME_POSITION = 1e-9
 """Difference [m] up to which the true position is the measured one."""
@@ -114,7 +120,7 @@ def panels(run: RunSignals, steps: list[ReferenceStep]) -> list[Panel]:
 
 
 def run_series(
-    run: RunSignals, steps: list[ReferenceStep], stretches: int = STRETCHES
+    run: RunSignals, steps: list[ReferenceStep], most_points: int = MOST_POINTS
 ) -> list[Series]:
     """Return the curves of a run.
 
@@ -124,8 +130,8 @@ def run_series(
         The run.
     steps : list of ReferenceStep
         Its steps.
-    stretches : int
-        Number of stretches of time of which the extremes are kept.
+    most_points : int
+        Number of points that all curves may have together.
 
     Returns
     -------
@@ -133,9 +139,18 @@ def run_series(
         In the order in which they are drawn. A curve without data is left out; the true position
         as well when the measured one is the same.
     """
+    stretches = STRETCHES
+    while True:
+        series = _series(run, steps, _Decimation(stretches))
+        if sum(curve.time.size for curve in series) <= most_points or stretches <= FEWEST_STRETCHES:
+            return series
+        stretches //= 2
+
+
+def _series(run: RunSignals, steps: list[ReferenceStep], measured: "_Decimation") -> list[Series]:
     time, voltage, q3 = run.telemetry.T
     reference = _reference(steps, time)
-    measured = _Decimation(run, stretches)
+    degrees = float(np.rad2deg(1.0))
     curves = [
         *_dead_zone_band(run),
         measured.series("position", "position q3", "position", time, 1e3 * q3),
@@ -144,9 +159,8 @@ def run_series(
     ]
     if run.truth is not None:
         curves += _truth(run, run.truth, steps, measured)
-    curves += _reference_levels(steps)
-    degrees = float(np.rad2deg(1.0))
     curves += [
+        *_reference_levels(steps),
         _held(run, run.estimates, degrees, panel="gap", name="estimated gap", color="estimate"),
         _held(
             run,
@@ -162,10 +176,10 @@ def run_series(
 
 
 class _Decimation:
-    """Makes curves of samples on the clock of a run."""
+    """Makes curves of samples, with the extremes of stretches of time."""
 
-    def __init__(self, run: RunSignals, stretches: int) -> None:
-        self._run, self._stretches = run, stretches
+    def __init__(self, stretches: int) -> None:
+        self._stretches = stretches
 
     def series(
         self, panel: str, name: str, color: str, time: FloatArray, value: FloatArray
