@@ -215,8 +215,8 @@ def _truth(
     if (np.abs(true_q3 - measured)[inside] > SAME_POSITION).any():
         error = 1e6 * (true_q3 - _reference(steps, time))
         curves += [
-            decimation.series("position", "true q3", "faint", time, 1e3 * true_q3),
-            decimation.series("error", "true q3 − r", "faint", time, error),  # noqa: RUF001
+            decimation.series("position", "true q3", "ink", time, 1e3 * true_q3),
+            decimation.series("error", "true q3 − r", "ink", time, error),  # noqa: RUF001
         ]
     return curves
 
