@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -92,6 +93,16 @@ def test_report_is_one_file(analyzed):
     identifiers = re.findall(r'\bid="([^"]+)"', report)
     assert len(identifiers) == len(set(identifiers))
     assert (output / "figure.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_without_plotly_the_report_has_its_pictures_and_tables(small_loop, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "plotly.offline", None)
+    analyze(small_loop.write(tmp_path / "bag"), tmp_path / "out")
+    report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "need the Python package plotly" in report
+    assert 'id="signals"' not in report
+    assert "<svg" in report
+    assert '<table id="steps">' in report
 
 
 def test_same_bag_gives_the_same_files(analyzed, following_bag, tmp_path):

@@ -104,6 +104,12 @@ def test_a_hole_in_the_telemetry_interrupts_the_line(run):
     assert position.time[hole] == pytest.approx(4.5)
 
 
+def test_single_missing_samples_leave_the_line_whole(run):
+    kept = np.arange(len(run.telemetry)) % 10 != 5
+    position = curves(replace(run, telemetry=run.telemetry[kept]))["position q3"]
+    assert np.isfinite(position.value).all()
+
+
 def test_the_error_begins_at_the_scale_of_what_is_left(run):
     quiet = replace(run, telemetry=run.telemetry.copy())
     quiet.telemetry[7777, 2] = 1e-3

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.step_analysis import StepSummary
 from bdt_bringup.drawing import figure_style as style
-from bdt_bringup.drawing.decimation import envelope
+from bdt_bringup.drawing.decimation import envelope, hole_length
 from bdt_bringup.run_signals import RunSignals
 
 FloatArray = NDArray[np.float64]
@@ -243,7 +243,7 @@ def _shade_limit_cycles(
 def _line(
     run: RunSignals, time: FloatArray, value: FloatArray, columns: int = COLUMNS
 ) -> tuple[FloatArray, FloatArray]:
-    return envelope(time, value, columns, 1.5 * run.sample_time)
+    return envelope(time, value, columns, hole_length(run.sample_time))
 
 
 def _letter(axes: Axes, text: str) -> None:

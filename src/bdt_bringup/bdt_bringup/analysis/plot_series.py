@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from bdt_bringup.analysis.figures import residual_limit
 from bdt_bringup.analysis.reference_steps import ReferenceStep
-from bdt_bringup.drawing.decimation import envelope
+from bdt_bringup.drawing.decimation import envelope, hole_length
 from bdt_bringup.run_signals import RunSignals
 
 FloatArray = NDArray[np.float64]
@@ -188,8 +188,8 @@ class _Decimation:
         time, value = time[known], value[known]
         if time.size < 2:
             return Series(panel=panel, name=name, color=color, time=time, value=value)
-        gap = 1.5 * float(np.median(np.diff(time)))
-        times, values = envelope(time, value, self._stretches, gap)
+        hole = hole_length(float(np.median(np.diff(time))))
+        times, values = envelope(time, value, self._stretches, hole)
         whole = times.size >= time.size
         return Series(
             panel=panel,
