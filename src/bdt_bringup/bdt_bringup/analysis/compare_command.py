@@ -25,7 +25,13 @@ from bdt_bringup.drawing.figure_style import svg_text
 from bdt_bringup.pages.rendering import render_page
 from bdt_bringup.pages.table import Table
 
-TERMINAL_COLUMNS = ("run", "limit cycles", "worst bias", "worst residual p-p", "gap error, rms")
+TERMINAL_COLUMNS = (
+    "run",
+    "limit cycles",
+    "worst bias",
+    "worst residual, peak to peak",
+    "gap error, rms",
+)
 """Columns of the table of runs that the terminal shows."""
 
 

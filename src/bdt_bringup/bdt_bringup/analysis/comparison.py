@@ -25,11 +25,10 @@ RUN_COLUMNS = (
     Column("limit cycles"),
     Column("first at", "s"),
     Column("worst bias", "% of amplitude"),
-    Column("worst residual p-p", "µm"),
+    Column("worst residual, peak to peak", "µm"),
     Column("gap error, rms", "deg"),
     Column("gap error, largest", "deg"),
     Column("worst lag", "s"),
-    Column("reconfigurations"),
     Column("lost messages"),
 )
 
@@ -148,7 +147,6 @@ def runs_table(runs: Sequence[ComparedRun]) -> Table:
             number(errors.rms_error_rad, ".3f", degrees),
             number(errors.max_error_rad, ".3f", degrees),
             number(errors.worst_lag_s, ".3f"),
-            str(summary.reconfigurations),
             str(summary.lost_messages),
         )
         rows.append(Row(cells, alarm=bool(cycles)))

@@ -38,14 +38,15 @@ class Panel:
     ----------
     key : str
         Name by which a curve says where it belongs.
-    title : str
-        Quantity and unit.
+    quantity, unit : str
+        What the axis says.
     range : tuple of float, optional
-        Lower and upper end at first [unit of the title]; None shows everything.
+        Lower and upper end at first [unit]; None shows everything.
     """
 
     key: str
-    title: str
+    quantity: str
+    unit: str
     range: tuple[float, float] | None = None
 
 
@@ -112,10 +113,10 @@ def panels(run: RunSignals, steps: list[ReferenceStep]) -> list[Panel]:
     judged = [step for step in steps if not step.cut]
     limit = 1e6 * residual_limit(run, judged)
     return [
-        Panel("position", "position [mm]"),
-        Panel("error", "error q3 − r [µm]", (-limit, limit)),  # noqa: RUF001 - a minus sign
-        Panel("voltage", "voltage u [V]"),
-        Panel("gap", "gap [deg]"),
+        Panel("position", "position", "mm"),
+        Panel("error", "error q3 − r", "µm", (-limit, limit)),  # noqa: RUF001 - a minus sign
+        Panel("voltage", "voltage u", "V"),
+        Panel("gap", "gap", "deg"),
     ]
 
 

@@ -16,7 +16,7 @@ STEP_COLUMNS = (
     Column("step"),
     Column("begins", "s"),
     Column("r", "mm"),
-    Column("residual p-p", "µm"),
+    Column("residual, peak to peak", "µm"),
     Column("bias", "µm"),
     Column("bias", "% of amplitude"),
     Column("settling time", "s"),

@@ -24,7 +24,12 @@ class CyclePlot {
     const last = firstFrom(error.time, step.end);
     const time = error.time.slice(first, last);
     const held = time.map((t) => voltage.value[Math.max(firstFrom(voltage.time, t + 1e-6) - 1, 0)]);
-    return { time: time.map((t) => t - step.begin), error: error.value.slice(first, last), held, color: error.color };
+    return {
+      time: time.map((t) => t - step.begin),
+      error: error.value.slice(first, last),
+      held,
+      color: error.color,
+    };
   }
 
   traces() {
@@ -45,7 +50,9 @@ class CyclePlot {
 
   layout() {
     const narrow = this.element.clientWidth < 640;
-    const axis = (title, anchor, domain) => ({ ...axisLooks(), title: { text: title, standoff: 6 }, anchor, domain });
+    const axis = (title, anchor, domain) => (
+      { ...axisLooks(), title: { text: title, standoff: 6 }, anchor, domain }
+    );
     const several = this.description.runs.length > 1;
     return {
       ...commonLooks(),
@@ -64,8 +71,9 @@ class CyclePlot {
   async draw() {
     const step = this.description.runs[0].steps[this.index];
     if (!step) return;
+    const time = `${+step.begin.toPrecision(6)} s to ${+step.end.toPrecision(6)} s`;
     document.getElementById("cycle-title").textContent = `End of step ${this.index + 1}`
-      + ` (${+step.begin.toPrecision(6)} s to ${+step.end.toPrecision(6)} s, r = ${+step.reference.toPrecision(4)} mm)`;
+      + ` (${time}, r = ${+step.reference.toPrecision(4)} mm)`;
     this.element.dataset.step = this.index + 1;
     await Plotly.react(this.element, this.traces(), this.layout(), plotOptions("step"));
   }

@@ -3,8 +3,9 @@
 
 // Moments have addresses: #t=10,20 is a stretch of time, #step=3 a step, #step=3,end its end.
 function connect(timePlot, cyclePlot) {
-  const { runs } = timePlot.description;
+  const { runs, panels } = timePlot.description;
   const steps = runs[0].steps;
+  const everyHeight = { fit: panels.map((panel) => panel.key) };
   const rows = [...document.querySelectorAll("tr[data-step]")];
 
   function address(text) {
@@ -19,7 +20,7 @@ function connect(timePlot, cyclePlot) {
     await cyclePlot.draw();
     if (!move) return;
     const begin = end ? step.end - step.window : step.begin;
-    await timePlot.show(begin, step.end, end ? { fit: timePlot.description.panels.map((p) => p.key) } : { reset: true });
+    await timePlot.show(begin, step.end, end ? everyHeight : { reset: true });
     address(`#step=${number}${end ? ",end" : ""}`);
   }
 
@@ -42,6 +43,7 @@ function connect(timePlot, cyclePlot) {
   const button = (id, action) => document.getElementById(id).addEventListener("click", action);
   const clamp = (number) => Math.min(Math.max(number, 1), steps.length);
   button("whole", async () => { await timePlot.showAll(); address(""); });
+  button("fit", () => timePlot.show(...timePlot.range, everyHeight));
   button("previous", () => select(clamp(cyclePlot.index)));
   button("next", () => select(clamp(cyclePlot.index + 2)));
   button("step-end", () => select(cyclePlot.index + 1, { end: true }));
@@ -52,6 +54,14 @@ function connect(timePlot, cyclePlot) {
   addEventListener("hashchange", follow);
   document.addEventListener("theme", () => { timePlot.recolor(); cyclePlot.draw(); });
   return { select, follow };
+}
+
+// Number of the step of which most is left, in whichever run.
+function worstStep(runs) {
+  const left = runs[0].steps.map(
+    (step, k) => Math.max(...runs.map((run) => run.steps[k]?.residual ?? -1)),
+  );
+  return 1 + left.indexOf(Math.max(...left));
 }
 
 async function start() {
@@ -65,8 +75,7 @@ async function start() {
   const cyclePlot = new CyclePlot(document.getElementById("cycle-plot"), description);
   await timePlot.draw();
   const { select, follow } = connect(timePlot, cyclePlot);
-  const residuals = description.runs[0].steps.map((step) => step.residual ?? -1);
-  await select(1 + residuals.indexOf(Math.max(...residuals)), { move: false });
+  await select(worstStep(description.runs), { move: false });
   await follow();
   document.documentElement.dataset.plots = "drawn";
 }

@@ -56,6 +56,10 @@ class TimePlot {
     return k ? `${k + 1}` : "";
   }
 
+  panel(key) {
+    return this.description.panels.find((panel) => panel.key === key);
+  }
+
   get columns() {
     return Math.max(this.element.clientWidth - 70, 200);
   }
@@ -67,6 +71,7 @@ class TimePlot {
   traces() {
     const views = this.views();
     this.note(views);
+    const several = this.description.runs.length > 1;
     return this.description.series.map((item, k) => ({
       type: "scatter",
       mode: "lines",
@@ -75,12 +80,12 @@ class TimePlot {
       xaxis: "x",
       yaxis: `y${this.axis(item.panel)}`,
       legend: `legend${this.axis(item.panel)}`,
-      legendgroup: this.description.runs.length > 1 ? `run ${item.run}` : `${item.panel} ${item.name}`,
+      legendgroup: several ? `run ${item.run}` : `${item.panel} ${item.name}`,
       name: item.name,
       showlegend: !item.quiet,
       fill: item.fill ? "tonexty" : "none",
       fillcolor: faded(item.color, 0.14),
-      hovertemplate: "%{y:.5g}",
+      hovertemplate: `%{y:.5g} ${this.panel(item.panel).unit}`,
       line: {
         color: css(item.color),
         width: item.width,
@@ -107,13 +112,13 @@ class TimePlot {
         anchor: `y${panels.length > 1 ? panels.length : ""}`,
         showspikes: true, spikemode: "across", spikethickness: 1, spikedash: "dot",
         spikecolor: css("faint"), spikesnap: "cursor",
-        hoverformat: ".4f", unifiedhovertitle: { text: "%{x} s" },
+        hoverformat: ".4f", unifiedhovertitle: { text: "%{x:.4f} s" },
       },
     };
     panels.forEach((panel, k) => {
       const number = k ? k + 1 : "";
       layout[`yaxis${number}`] = {
-        ...axisLooks(), title: { text: panel.title, standoff: 6 }, domain: this.domains[k],
+        ...axisLooks(), title: { text: `${panel.quantity} [${panel.unit}]`, standoff: 6 }, domain: this.domains[k],
         ...(panel.range ? { range: panel.range } : { autorange: true }),
       };
       layout[`legend${number}`] = {
@@ -149,7 +154,9 @@ class TimePlot {
   async recolor() {
     const layout = this.layout();
     for (const [name, axis] of Object.entries(this.element.layout)) {
-      if (/^[xy]axis/.test(name)) Object.assign(layout[name], { range: axis.range, autorange: axis.autorange });
+      if (/^[xy]axis/.test(name)) {
+        Object.assign(layout[name], { range: axis.range, autorange: axis.autorange });
+      }
     }
     await Plotly.react(this.element, this.traces(), layout, plotOptions("run"));
   }
@@ -166,7 +173,8 @@ class TimePlot {
       else if (reset) change[`${axis}.autorange`] = true;
     }
     this.note(views);
-    await Plotly.update(this.element, { x: views.map((v) => v.x), y: views.map((v) => v.y) }, change);
+    const data = { x: views.map((view) => view.x), y: views.map((view) => view.y) };
+    await Plotly.update(this.element, data, change);
     this.element.dispatchEvent(new CustomEvent("shown"));
   }
 
@@ -179,18 +187,24 @@ class TimePlot {
     const { series } = this.description;
     const k = series.reduce((best, item, n) => (item.samples > series[best].samples ? n : best), 0);
     const item = series[k];
-    const plain = (number) => number.toLocaleString("en-US").replaceAll(",", "\u202f");
-    const time = (seconds) => (seconds < 1 ? `${+(1e3 * seconds).toPrecision(3)} ms` : `${+seconds.toPrecision(3)} s`);
     const [begin, end] = this.range;
+    const count = (number) => Math.round(number).toLocaleString("en-US").replaceAll(",", "\u202f");
+    const time = (seconds) => (
+      seconds < 1 ? `${+(1e3 * seconds).toPrecision(3)} ms` : `${+seconds.toPrecision(3)} s`
+    );
     const pixel = (end - begin) / this.columns;
-    const density = item.samples / (item.time[item.time.length - 1] - item.time[0]);
+    const rate = item.samples / (item.time[item.time.length - 1] - item.time[0]);
     const held = item.stretch
-      ? `The page holds ${plain(item.points)} of ${plain(item.samples)} samples of a signal: first, smallest, largest and last of every ${time(item.stretch)} (${Math.round(density * item.stretch)} samples). `
-      : `The page holds every one of the ${plain(item.samples)} samples of a signal. `;
+      ? `The page holds ${count(item.points)} of ${count(item.samples)} samples of a signal: first, `
+        + `smallest, largest and last of every ${time(item.stretch)} (${count(rate * item.stretch)} samples).`
+      : `The page holds every one of the ${count(item.samples)} samples of a signal.`;
     const drawn = views[k].whole
       ? "This view draws all of them that lie in it."
-      : `This view draws first, smallest, largest and last of each pixel column of ${time(pixel)}, ${plain(Math.round(pixel * density))} samples.`;
-    document.getElementById("decimation").textContent = `${+begin.toPrecision(7)} s to ${+end.toPrecision(7)} s. ${held}${drawn}`;
-    Object.assign(this.element.dataset, { begin, end, points: views.reduce((sum, v) => sum + v.x.length, 0) });
+      : "This view draws first, smallest, largest and last of each pixel column of "
+        + `${time(pixel)} (${count(pixel * rate)} samples).`;
+    const shown = `${+begin.toPrecision(7)} s to ${+end.toPrecision(7)} s.`;
+    document.getElementById("decimation").textContent = `${shown} ${held} ${drawn}`;
+    const points = views.reduce((sum, view) => sum + view.x.length, 0);
+    Object.assign(this.element.dataset, { begin, end, points });
   }
 }
