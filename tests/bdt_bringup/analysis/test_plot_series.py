@@ -110,6 +110,17 @@ def test_single_missing_samples_leave_the_line_whole(run):
     assert np.isfinite(position.value).all()
 
 
+def test_the_uncertainty_is_a_band_around_the_estimate_in_force(run):
+    known = np.array([[0.5, 0.1], [1.0, np.inf], [1.5, 0.01], [4.0, 0.02]])
+    uncertain = replace(run, uncertainties=known)
+    lower, upper = [x for x in run_series(uncertain, steps_of(run)) if "±" in x.name][-2:]
+    assert lower.panel == upper.panel == "gap"
+    assert upper.fill
+    assert lower.time[:2].tolist() == upper.time[:2].tolist() == [1.5, 4.0]
+    np.testing.assert_allclose(np.deg2rad(lower.value[:2]), [0.08 - 0.02, 0.11 - 0.04])
+    np.testing.assert_allclose(np.deg2rad(upper.value[:2]), [0.08 + 0.02, 0.11 + 0.04])
+
+
 def test_the_error_begins_at_the_scale_of_what_is_left(run):
     quiet = replace(run, telemetry=run.telemetry.copy())
     quiet.telemetry[7777, 2] = 1e-3

@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from bdt_bringup.analysis.interactive import PlottedRun
-from bdt_bringup.analysis.plot_series import MOST_POINTS, Panel, Series, panels, run_series
+from bdt_bringup.analysis.plot_series import MOST_POINTS, panels, run_series
 from bdt_bringup.analysis.reference_steps import ReferenceStep, find_steps
 from bdt_bringup.analysis.report_tables import STEP_COLUMNS, step_cells
 from bdt_bringup.analysis.run_names import run_names
 from bdt_bringup.analysis.summary import Summary, summarize
 from bdt_bringup.bags.recording import Recording, load_recording
+from bdt_bringup.drawing.curves import Panel, Series
 from bdt_bringup.pages.table import Column, Row, Table, number
 
 COLORS = 6

@@ -71,8 +71,9 @@ def signal_tables(recording: Recording, steps: Sequence[StepSummary]) -> list[Si
     Returns
     -------
     list of SignalTable
-        Telemetry, truth (if the bag has it), reference, estimates, dead zones, steps. Times are on
-        the clock of the telemetry, a clock that counts from 1970 included.
+        Telemetry, truth (if the bag has it), reference, estimates with their uncertainties (if the
+        twin tells them), dead zones, steps. Times are on the clock of the telemetry, a clock that
+        counts from 1970 included.
     """
     origin = recording.time_origin
 
@@ -88,6 +89,9 @@ def signal_tables(recording: Recording, steps: Sequence[StepSummary]) -> list[Si
         rows("estimates", ("t[s]", "gap[rad]"), recording.estimates[:, :2]),
         rows("dead_zones", ("t[s]", "dead_zone[m]"), recording.dead_zones),
     ]
+    if len(recording.uncertainties):
+        columns = ("t[s]", "standard_uncertainty[rad]")
+        tables.append(rows("uncertainties", columns, recording.uncertainties))
     names = [field.name for field in fields(StepSummary)]
     values = [list(column) for column in zip(*(astuple(step) for step in steps), strict=True)]
     if values:

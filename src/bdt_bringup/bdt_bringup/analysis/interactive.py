@@ -3,9 +3,9 @@
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from bdt_bringup.analysis.plot_series import Panel, Series
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.step_analysis import StepSummary
+from bdt_bringup.drawing.curves import Panel, Series
 from bdt_bringup.drawing.embedding import packed_arrays, packed_text
 
 

@@ -1,6 +1,6 @@
 """The signals of a run as curves of the interactive plots, decimated without losing an extreme."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from bdt_bringup.analysis.figures import residual_limit
 from bdt_bringup.analysis.reference_steps import ReferenceStep
+from bdt_bringup.drawing.curves import Panel, Series
 from bdt_bringup.drawing.decimation import envelope, hole_length
 from bdt_bringup.run_signals import RunSignals
 
@@ -23,79 +24,14 @@ MOST_POINTS = 400_000
 FEWEST_STRETCHES = 2_000
 """Stretches that are held in any case."""
 
+COVERAGE = 2.0
+"""Half width of the band around the estimate, in standard uncertainties: about 95 %."""
+
 SAME_POSITION = 1e-9
 """Difference [m] up to which the true position is the measured one."""
 
 TRUE_GAP, TRUE_Q3 = 3, 6
 """Columns of the truth."""
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One plot above the common time axis.
-
-    Attributes
-    ----------
-    key : str
-        Name by which a curve says where it belongs.
-    quantity, unit : str
-        What the axis says.
-    range : tuple of float, optional
-        Lower and upper end at first [unit]; None shows everything.
-    """
-
-    key: str
-    quantity: str
-    unit: str
-    range: tuple[float, float] | None = None
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Series:
-    """One curve.
-
-    Attributes
-    ----------
-    panel : str
-        Key of its panel.
-    name : str
-        What the legend says.
-    color : str
-        CSS variable of the page, without the dashes.
-    time, value : ndarray, shape (n,)
-        Points [s, unit of the panel]; NaN interrupts the line.
-    run : int
-        Index of the run, if there are several.
-    steps : bool
-        True for a value that holds until the next point.
-    dash : str
-        Plotly's name of the line style.
-    width : float
-        Width of the line [px].
-    fill : bool
-        True to fill the area down to the series before.
-    quiet : bool
-        True for the second edge of a band, which needs no legend.
-    samples : int
-        Number of samples behind the points.
-    stretch : float or None
-        Length of the stretches of which only the extremes are held [s]; None when `time` and
-        `value` are every sample.
-    """
-
-    panel: str
-    name: str
-    color: str
-    time: FloatArray
-    value: FloatArray
-    run: int = 0
-    steps: bool = False
-    dash: Literal["solid", "dash", "dot"] = "solid"
-    width: float = 1.4
-    fill: bool = False
-    quiet: bool = False
-    samples: int = 0
-    stretch: float | None = None
 
 
 def panels(run: RunSignals, steps: list[ReferenceStep]) -> list[Panel]:
@@ -162,6 +98,7 @@ def _series(run: RunSignals, steps: list[ReferenceStep], measured: "_Decimation"
         curves += _truth(run, run.truth, steps, measured)
     curves += [
         *_reference_levels(steps),
+        *_uncertainty_band(run),
         _held(run, run.estimates, degrees, panel="gap", name="estimated gap", color="estimate"),
         _held(
             run,
@@ -280,6 +217,22 @@ def _held(
         quiet=quiet,
         samples=len(rows),
     )
+
+
+def _uncertainty_band(run: RunSignals) -> list[Series]:
+    """Return lower and upper edge of the estimate's uncertainty; no band where it is infinite."""
+    in_force = np.searchsorted(run.estimates[:, 0], run.uncertainties[:, 0], side="right") - 1
+    known = (in_force >= 0) & np.isfinite(run.uncertainties[:, 1])
+    if not known.any():
+        return []
+    rows, gaps = run.uncertainties[known], run.estimates[in_force[known], 1]
+    degrees, name = float(np.rad2deg(1.0)), f"estimate ± {COVERAGE:g} standard uncertainties"
+    edges = []
+    for sign in (-COVERAGE, COVERAGE):
+        edge = np.stack([rows[:, 0], gaps + sign * rows[:, 1]], axis=1)
+        band = _held(run, edge, degrees, panel="gap", name=name, color="estimate")
+        edges.append(replace(band, width=0.0, quiet=sign < 0, fill=sign > 0))
+    return edges
 
 
 def _dead_zone_band(run: RunSignals) -> list[Series]:
