@@ -18,8 +18,8 @@ STRETCHES = 60_000
 """Stretches of time of which a page holds first, smallest, largest and last sample: 2 ms of the
 paper's 120 s, one control period. Half as many, or a quarter, when that is too many points."""
 
-MOST_POINTS = 400_000
-"""Points of all curves together that a page may hold: less than 2.2 MB of it, also for noise."""
+MOST_POINTS = 450_000
+"""Points of all curves together that a page may hold: less than 2.5 MB of it, also for noise."""
 
 FEWEST_STRETCHES = 2_000
 """Stretches that are held in any case."""

@@ -21,7 +21,9 @@ const commonLooks = () => ({
   paper_bgcolor: "rgba(0, 0, 0, 0)",
   plot_bgcolor: "rgba(0, 0, 0, 0)",
   font: { family: css("font"), size: 12, color: css("ink") },
-  hoverlabel: { bgcolor: css("paper"), bordercolor: css("faint"), font: { color: css("ink") } },
+  hoverlabel: {
+    bgcolor: faded("paper", 0.85), bordercolor: css("faint"), font: { color: css("ink") },
+  },
   modebar: { bgcolor: "rgba(0, 0, 0, 0)", color: css("faint"), activecolor: css("ink") },
 });
 
@@ -85,7 +87,9 @@ class TimePlot {
       showlegend: !item.quiet,
       fill: item.fill ? "tonexty" : "none",
       fillcolor: faded(item.color, 0.14),
-      hovertemplate: `%{y:.5g} ${this.panel(item.panel).unit}`,
+      ...(item.quiet && !several
+        ? { hoverinfo: "skip" }
+        : { hovertemplate: `%{y:.5g} ${this.panel(item.panel).unit}` }),
       line: {
         color: css(item.color),
         width: item.width,
