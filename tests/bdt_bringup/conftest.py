@@ -166,6 +166,7 @@ class Messages:
     def dead_zone(self, time: float, value: float, **options) -> None:
         self.parameter(time, f"{self.namespace}/controller", DEAD_ZONE_PARAMETER, value, **options)
 
+    store = STORE
     rows_message = staticmethod(samples)
     joint_message = staticmethod(joint_state)
 
@@ -284,6 +285,14 @@ def linear_loop() -> Messages:
 def small_loop() -> Messages:
     """Return the messages of two seconds at low rates."""
     return run_loop(Loop(duration=2.0, step_time=1.0, sampling_rate=500.0, control_rate=50.0))
+
+
+@pytest.fixture(scope="session")
+def shortest_loop() -> Messages:
+    """Return the messages of 0.6 s at low rates, with every topic that the analysis reads."""
+    messages = run_loop(Loop(duration=0.6, step_time=0.2, sampling_rate=500.0, control_rate=50.0))
+    messages.diagnosed_dead_zone(0.1, 1e-5)
+    return messages
 
 
 @pytest.fixture(scope="session")

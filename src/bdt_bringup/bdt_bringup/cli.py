@@ -9,7 +9,8 @@ from pathlib import Path
 from rich.console import Console
 
 from bdt_bringup.analysis.step_table import step_table
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
+from bdt_bringup.bags.topic_selection import TopicSelection, topic_remapping
 from bdt_bringup.benchmarks.bench_table import bench_table
 from bdt_bringup.running.configuration import BadInputError, load_configuration
 from bdt_bringup.running.run_plan import plan_run
@@ -71,8 +72,12 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _analyze(options: argparse.Namespace) -> int:
+    from bdt_bringup.analysis.export import checked_formats  # noqa: PLC0415
+
     beside = options.bag.parent / f"{options.bag.name}_report"
-    _report(options.bag, options.output or beside, as_json=options.json, export=options.export)
+    selection = TopicSelection(options.namespace, dict(map(topic_remapping, options.topic)))
+    formats = checked_formats(options.export) if options.export is not None else ()
+    _report(options.bag, options.output or beside, selection, formats, as_json=options.json)
     return 0
 
 
@@ -113,12 +118,18 @@ def _bench(options: argparse.Namespace) -> int:
     return 0
 
 
-def _report(bag: Path, output: Path, *, as_json: bool, export: str | None = None) -> None:
+def _report(
+    bag: Path,
+    output: Path,
+    selection: TopicSelection | None = None,
+    formats: Sequence[str] = (),
+    *,
+    as_json: bool,
+) -> None:
     from bdt_bringup.analysis.analyze import analyze  # noqa: PLC0415
-    from bdt_bringup.analysis.export import checked_formats  # noqa: PLC0415
     from bdt_bringup.analysis.report import verdict  # noqa: PLC0415
 
-    summary = analyze(bag, output, () if export is None else checked_formats(export))
+    summary = analyze(bag, output, selection, formats)
     if as_json:
         print(json.dumps(summary.to_dictionary(), indent=2))
         return
@@ -126,6 +137,8 @@ def _report(bag: Path, output: Path, *, as_json: bool, export: str | None = None
     console.print(step_table(summary))
     result = verdict(summary)
     console.print(f"{result.headline}: {result.details}", soft_wrap=True, highlight=False)
+    if summary.missing:
+        console.print(f"note: {'; '.join(summary.missing)}", soft_wrap=True, highlight=False)
     console.print(f"report: {output / 'report.html'}", soft_wrap=True, highlight=False)
 
 
@@ -171,6 +184,16 @@ def _parser() -> argparse.ArgumentParser:
     analyze_command.add_argument("bag", type=Path, metavar="BAG", help="rosbag2 folder or file")
     analyze_command.add_argument(
         "--output", type=Path, metavar="DIR", help="folder for the report (default: BAG_report)"
+    )
+    analyze_command.add_argument(
+        "--namespace", metavar="NAME", help="namespace of the loop, for a bag that holds several"
+    )
+    analyze_command.add_argument(
+        "--topic",
+        action="append",
+        default=[],
+        metavar="TOPIC=NAME",
+        help="a topic that was remapped: telemetry=/my/telemetry (repeatable)",
     )
     analyze_command.add_argument(
         "--export",

@@ -11,7 +11,7 @@ import pytest
 
 from bdt_bringup.analysis.analyze import analyze
 from bdt_bringup.analysis.report import verdict
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
 from bdt_msgs_py.topics import REFERENCE, TRUTH
 
 STEP_KEYS = {
@@ -50,6 +50,10 @@ def test_summary_file_has_the_agreed_fields(analyzed):
         "dead_zone_final_m",
         "messages",
         "lost_messages",
+        "missing_samples",
+        "missing",
+        "timing",
+        "reconfiguration_delay",
     }
     assert set(written["estimate"]) == {"rms_error_rad", "max_error_rad", "worst_lag_s"}
     assert all(set(step) == STEP_KEYS for step in written["steps"])

@@ -8,7 +8,7 @@ import pytest
 
 from bdt_bringup.analysis.analyze import analyze
 from bdt_bringup.analysis.export import FORMATS, checked_formats, signal_tables
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.recording import load_recording
 from bdt_bringup.cli import run_command
 from bdt_msgs_py.topics import TRUTH
@@ -19,7 +19,7 @@ SIGNALS = {"telemetry", "truth", "reference", "estimates", "dead_zones", "steps"
 @pytest.fixture(scope="module")
 def exported(following_bag, tmp_path_factory):
     folder = tmp_path_factory.mktemp("export")
-    summary = analyze(following_bag, folder, FORMATS)
+    summary = analyze(following_bag, folder, formats=FORMATS)
     return load_recording(following_bag), summary, folder / "export"
 
 
@@ -81,7 +81,7 @@ def test_times_are_those_of_the_bag(following_bag, exported):
 
 def test_without_truth_there_is_no_table_of_it(small_loop, tmp_path):
     bag = small_loop.without(TRUTH).write(tmp_path / "bag")
-    analyze(bag, tmp_path / "out", ("csv",))
+    analyze(bag, tmp_path / "out", formats=("csv",))
     assert not (tmp_path / "out" / "export" / "truth.csv").exists()
     assert (tmp_path / "out" / "export" / "telemetry.csv").exists()
 

@@ -34,7 +34,7 @@ def test_loop(following_bag):
     assert recording.reference.tolist() == [[0, 5e-3], [5, 0], [10, 5e-3], [15, 0]]
     assert recording.reconfigurations == len(recording.dead_zones) - 1 > 50
     assert recording.dead_zones[0].tolist() == [0.0, 0.0]
-    assert recording.measurement_stamps == pytest.approx(np.arange(10_000) / 500)
+    assert recording.measurements.stamps == pytest.approx(np.arange(10_000) / 500)
     assert recording.pitch == LeadScrewParameters().pitch
     assert lost_messages(recording) == 0
 
@@ -62,8 +62,12 @@ def test_recorded_topics_without_messages(signal, tmp_path):
     recording = load_recording(path)
     assert recording.truth is None
     assert recording.message_counts["/truth"] == 0
-    with pytest.raises(BagError, match="/reference has no messages"):
-        load_recording(signal.without(REFERENCE).write(tmp_path / "b", empty=(REFERENCE,)))
+    assert "no truth: error of the estimate unknown" in recording.missing
+    unset = load_recording(signal.without(REFERENCE).write(tmp_path / "b", empty=(REFERENCE,)))
+    assert unset.reference.shape == (0, 2)
+    nothing = signal.without(TELEMETRY).write(tmp_path / "c", empty=(TELEMETRY, MEASUREMENT))
+    with pytest.raises(BagError, match="/measurement and /telemetry have no messages"):
+        load_recording(nothing)
 
 
 def test_wall_clock_telemetry(signal_messages, tmp_path):
@@ -133,7 +137,7 @@ def test_joint_of_the_reference(signal, tmp_path):
 def test_two_runs_in_one_bag(signal, signal_messages, tmp_path):
     other = signal_messages(TIME, np.cos(TIME), [(0.0, 1.0)])
     signal.items.extend((name, type_, t + 20, m) for name, type_, t, m in other.items)
-    with pytest.raises(BagError, match="two different samples for t = 0 s: must hold one run"):
+    with pytest.raises(BagError, match="two different samples for t = 0 s, as if time began"):
         load_recording(signal.write(tmp_path / "bag"))
 
 

@@ -8,8 +8,9 @@ from bdt_bringup.analysis.figures import overview_figure, residual_figure
 from bdt_bringup.analysis.reference_steps import ReferenceStep, find_steps
 from bdt_bringup.analysis.report import render_report
 from bdt_bringup.analysis.summary import Summary, summarize
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.recording import Recording, load_recording
+from bdt_bringup.bags.topic_selection import TopicSelection
 from bdt_bringup.drawing.figure_style import svg_text, write_png
 
 SUMMARY_FILE = "summary.json"
@@ -17,7 +18,12 @@ REPORT_FILE = "report.html"
 FIGURE_FILE = "figure.png"
 
 
-def analyze(bag: Path, output: Path | None = None, formats: Sequence[str] = ()) -> Summary:
+def analyze(
+    bag: Path,
+    output: Path | None = None,
+    selection: TopicSelection | None = None,
+    formats: Sequence[str] = (),
+) -> Summary:
     """Analyze a bag and write ``report.html``, ``summary.json`` and ``figure.png``.
 
     Parameters
@@ -27,6 +33,8 @@ def analyze(bag: Path, output: Path | None = None, formats: Sequence[str] = ()) 
     output : Path, optional
         Folder for the results, created if necessary; results of an earlier analysis are
         replaced. None writes nothing.
+    selection : TopicSelection, optional
+        Which loop and which topics are meant where the bag does not tell.
     formats : sequence of str
         What is exported beside the report; see :mod:`bdt_bringup.analysis.export`.
 
@@ -40,7 +48,7 @@ def analyze(bag: Path, output: Path | None = None, formats: Sequence[str] = ()) 
     BagError
         If the bag cannot be analyzed or the folder cannot be written.
     """
-    recording = load_recording(Path(bag))
+    recording = load_recording(Path(bag), selection)
     steps = find_steps(recording.reference, recording.telemetry, recording.sample_time)
     summary = summarize(recording, steps)
     if output is not None:

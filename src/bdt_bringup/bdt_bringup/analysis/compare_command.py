@@ -20,7 +20,7 @@ from bdt_bringup.analysis.comparison import (
 from bdt_bringup.analysis.comparison_figure import comparison_figure
 from bdt_bringup.analysis.figures import time_label
 from bdt_bringup.analysis.interactive import interactive_part
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.drawing.figure_style import svg_text
 from bdt_bringup.pages.rendering import render_page
 from bdt_bringup.pages.table import Table

@@ -10,7 +10,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from bdt_bringup.analysis.step_analysis import StepSummary
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.recording import Recording
 from bdt_bringup.drawing.figure_style import write_png, write_svg
 from bdt_msgs_py.topics import TELEMETRY_COLUMNS, TRUTH_COLUMNS
