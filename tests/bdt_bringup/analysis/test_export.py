@@ -13,7 +13,15 @@ from bdt_bringup.bags.recording import load_recording
 from bdt_bringup.cli import run_command
 from bdt_msgs_py.topics import TRUTH
 
-SIGNALS = {"telemetry", "truth", "reference", "estimates", "dead_zones", "steps"}
+SIGNALS = {
+    "telemetry",
+    "truth",
+    "reference",
+    "estimates",
+    "dead_zones",
+    "reconfigurations",
+    "steps",
+}
 
 
 @pytest.fixture(scope="module")

@@ -20,6 +20,7 @@ from bdt_bringup.analysis.comparison import (
 from bdt_bringup.analysis.comparison_figure import comparison_figure
 from bdt_bringup.analysis.figures import time_label
 from bdt_bringup.analysis.interactive import interactive_part
+from bdt_bringup.analysis.timing_tables import timing_tables
 from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.drawing.figure_style import svg_text
 from bdt_bringup.pages.rendering import render_page
@@ -92,6 +93,7 @@ def comparison_page(runs: Sequence[ComparedRun]) -> str:
         ),
         runs_table=runs_table(runs),
         steps=all_steps_table(runs),
+        timing=timing_tables([(run.name, run.summary) for run in runs]),
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from bdt_bringup.analysis.reconfigurations import Reconfiguration, reconfiguration_log
 from bdt_bringup.analysis.step_analysis import StepSummary
 from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.recording import Recording
@@ -72,8 +73,8 @@ def signal_tables(recording: Recording, steps: Sequence[StepSummary]) -> list[Si
     -------
     list of SignalTable
         Telemetry, truth (if the bag has it), reference, estimates with their uncertainties (if the
-        twin tells them), dead zones, steps. Times are on the clock of the telemetry, a clock that
-        counts from 1970 included.
+        twin tells them), dead zones, reconfigurations, steps. Times are on the clock of the
+        telemetry, a clock that counts from 1970 included.
     """
     origin = recording.time_origin
 
@@ -90,15 +91,26 @@ def signal_tables(recording: Recording, steps: Sequence[StepSummary]) -> list[Si
         rows("dead_zones", ("t[s]", "dead_zone[m]"), recording.dead_zones),
     ]
     if len(recording.uncertainties):
-        columns = ("t[s]", "standard_uncertainty[rad]")
-        tables.append(rows("uncertainties", columns, recording.uncertainties))
+        heads = ("t[s]", "standard_uncertainty[rad]")
+        tables.append(rows("uncertainties", heads, recording.uncertainties))
     names = [field.name for field in fields(StepSummary)]
     values = [list(column) for column in zip(*(astuple(step) for step in steps), strict=True)]
     if values:
         start = names.index("t_start_s")
         values[start] = [time + origin for time in values[start]]
+    log = [
+        (entry.time_s + origin, *entry[1:3], _later(entry.estimate_time_s, origin), *entry[4:])
+        for entry in reconfiguration_log(recording)
+    ]
+    columns = [list(column) for column in zip(*log, strict=True)]
+    columns = columns or [[] for _ in Reconfiguration._fields]
+    tables.append(SignalTable("reconfigurations", Reconfiguration._fields, columns))
     tables.append(SignalTable("steps", names, values or [[] for _ in names]))
     return tables
+
+
+def _later(time: float | None, origin: float) -> float | None:
+    return None if time is None else time + origin
 
 
 def export(

@@ -10,6 +10,7 @@ from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.report_tables import detail_tables, steps_table
 from bdt_bringup.analysis.run_names import run_names
 from bdt_bringup.analysis.summary import Summary
+from bdt_bringup.analysis.timing_tables import reconfiguration_table, timing_tables
 from bdt_bringup.bags.recording import Recording
 from bdt_bringup.pages.rendering import render_page
 from bdt_bringup.pages.table import number
@@ -130,6 +131,9 @@ def render_report(
         ),
         steps=steps_table(summary, steps),
         tables=detail_tables(recording, summary),
+        timing=timing_tables([(name, summary)]),
+        log=reconfiguration_table(recording),
+        missing=summary.missing,
         windows=sorted({f"{step.window:.3g}" for step in steps}),
     )
 

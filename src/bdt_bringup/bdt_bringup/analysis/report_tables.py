@@ -72,9 +72,9 @@ def step_cells(index: int, step: StepSummary) -> list[str]:
 
 
 def detail_tables(recording: Recording, summary: Summary) -> Iterable[Table]:
-    """Return what stands below the steps, each table only where the bag has its data.
+    """Return what stands below the steps in two columns.
 
-    The page shows whatever is here, in this order: a new analysis adds its table to the list.
+    The page shows whatever is here, in this order.
     """
     return (_estimate_table(recording, summary), _message_table(summary))
 
