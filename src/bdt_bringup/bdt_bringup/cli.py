@@ -72,9 +72,19 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _analyze(options: argparse.Namespace) -> int:
+    from bdt_bringup.analysis.export import checked_formats  # noqa: PLC0415
+
     beside = options.bag.parent / f"{options.bag.name}_report"
     selection = TopicSelection(options.namespace, dict(map(topic_remapping, options.topic)))
-    _report(options.bag, options.output or beside, selection, as_json=options.json)
+    formats = checked_formats(options.export) if options.export is not None else ()
+    _report(options.bag, options.output or beside, selection, formats, as_json=options.json)
+    return 0
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from bdt_bringup.analysis.compare_command import run_comparison  # noqa: PLC0415
+
+    run_comparison(options.bags, options.output, as_json=options.json)
     return 0
 
 
@@ -109,12 +119,17 @@ def _bench(options: argparse.Namespace) -> int:
 
 
 def _report(
-    bag: Path, output: Path, selection: TopicSelection | None = None, *, as_json: bool
+    bag: Path,
+    output: Path,
+    selection: TopicSelection | None = None,
+    formats: Sequence[str] = (),
+    *,
+    as_json: bool,
 ) -> None:
     from bdt_bringup.analysis.analyze import analyze  # noqa: PLC0415
     from bdt_bringup.analysis.report import verdict  # noqa: PLC0415
 
-    summary = analyze(bag, output, selection)
+    summary = analyze(bag, output, selection, formats)
     if as_json:
         print(json.dumps(summary.to_dictionary(), indent=2))
         return
@@ -180,8 +195,28 @@ def _parser() -> argparse.ArgumentParser:
         metavar="TOPIC=NAME",
         help="a topic that was remapped: telemetry=/my/telemetry (repeatable)",
     )
+    analyze_command.add_argument(
+        "--export",
+        metavar="FORMATS",
+        help="also write figures (png, svg) and signals (csv, parquet); separated by commas",
+    )
     analyze_command.add_argument("--json", action="store_true", help="print summary.json")
     analyze_command.set_defaults(command=_analyze)
+    compare = commands.add_parser(
+        "compare",
+        help="overlay the runs of several bags in one page",
+        description="Analyze several bags and set them side by side; needs no ROS.",
+    )
+    compare.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="rosbag2 folder or file")
+    compare.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE",
+        default=Path("comparison.html"),
+        help="page (default: comparison.html)",
+    )
+    compare.add_argument("--json", action="store_true", help="print the numbers of all runs")
+    compare.set_defaults(command=_compare)
     bench = commands.add_parser(
         "bench",
         help="measure cores and transport beside a peer and a floor",
