@@ -19,6 +19,7 @@ from bdt_msgs_py.topics import (
     DEAD_ZONE_PARAMETER,
     DIAGNOSTICS,
     GAP_JOINT,
+    GAP_UNCERTAINTY_JOINT,
     MEASUREMENT,
     MOTOR_JOINT,
     PARAMETER_EVENTS,
@@ -148,8 +149,12 @@ class Messages:
         message = joint_state(PLATFORM_JOINT, time, position=[position])
         self.add(REFERENCE, time if received is None else received, message)
 
-    def estimate(self, time: float, gap: float) -> None:
-        self.add(BACKLASH_ESTIMATE, time, joint_state(GAP_JOINT, time, position=[gap]))
+    def estimate(self, time: float, gap: float, uncertainty: float | None = None) -> None:
+        message = joint_state(GAP_JOINT, time, position=[gap])
+        if uncertainty is not None:
+            message.name.append(GAP_UNCERTAINTY_JOINT)
+            message.position = np.array([gap, uncertainty])
+        self.add(BACKLASH_ESTIMATE, time, message)
 
     def parameter(
         self,

@@ -97,6 +97,16 @@ def test_reference_without_stamps(signal, tmp_path):
     assert reference[1] == pytest.approx([5.0, 2.0], abs=1.0)
 
 
+def test_uncertainties_of_those_estimates_that_state_one(signal, tmp_path):
+    signal.estimate(1.0, 0.1)
+    signal.estimate(2.0, 0.2, 0.01)
+    signal.estimate(3.0, 0.3, np.nan)
+    recording = load_recording(signal.write(tmp_path / "bag"))
+    assert recording.estimates[:, 1].tolist() == [0.1, 0.2, 0.3]
+    assert recording.uncertainties[:, 1].tolist() == [0.01]
+    assert recording.uncertainties[0, 0] == recording.estimates[1, 0]
+
+
 def test_first_dead_zone_from_diagnostics(signal, tmp_path):
     """Parameter events are volatile: a late recorder has missed the first value."""
     for time, value in ((1.0, 3e-5), (2.0, 3e-5), (7.0, 4e-5)):

@@ -85,7 +85,7 @@ def test_messages_of_other_shapes_are_read_one_by_one(small_loop, tmp_path):
 def test_message_of_another_joint(small_loop, tmp_path):
     messages = small_loop.without(TELEMETRY)
     messages.add(MEASUREMENT, 1.0, messages.joint_message("elbow", 1.0, position=[1.0]))
-    with pytest.raises(BagError, match=r"message 5\d of /measurement: .* must be the joint"):
+    with pytest.raises(BagError, match=r"message 5\d of /measurement: .* must have the joint"):
         load_recording(messages.write(tmp_path / "bag"))
 
 

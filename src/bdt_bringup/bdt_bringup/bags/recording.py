@@ -38,6 +38,7 @@ from bdt_msgs_py.topics import (
     COMMAND,
     DIAGNOSTICS,
     GAP_JOINT,
+    GAP_UNCERTAINTY_JOINT,
     MEASUREMENT,
     PARAMETER_EVENTS,
     PLATFORM_JOINT,
@@ -171,6 +172,9 @@ def load_recording(path: Path, selection: TopicSelection | None = None) -> Recor
         truth=_truth(bag, origin),
         reference=_positions(bag, REFERENCE, PLATFORM_JOINT, clock),
         estimates=_positions(bag, BACKLASH_ESTIMATE, GAP_JOINT, clock),
+        uncertainties=_positions(
+            bag, BACKLASH_ESTIMATE, GAP_UNCERTAINTY_JOINT, clock, optional=True
+        ),
         dead_zones=dead_zones,
         reconfigurations=reconfigurations,
         pitch=pitch,
@@ -230,18 +234,28 @@ def _truth(bag: RawBag, origin: float) -> FloatArray | None:
     return rows if len(rows) else None
 
 
-def _positions(bag: RawBag, topic: Topic, joint: str, clock: _Clock) -> FloatArray:
-    """Return rows of (time [s], position) of a topic, in the order of time."""
+def _positions(
+    bag: RawBag, topic: Topic, joint: str, clock: _Clock, *, optional: bool = False
+) -> FloatArray:
+    """Return rows of (time [s], position) of a topic, in the order of time.
+
+    Messages without an optional joint are left out.
+    """
     raw = bag.topics.get(topic)
     if raw is None:
         return np.empty((0, 2))
-    rows = []
+    rows, received = [], []
     for number, message in enumerate(decode(bag.path, raw)):
+        if optional and joint not in message.name:
+            continue
+        received.append(raw.received[number])
         try:
             rows.append(read_position(message, joint))
         except ValueError as error:
             raise BagError(f"bag {bag.path}: message {number} of {raw.name}: {error}") from None
-    times = clock.times([stamp for stamp, _ in rows], raw.received)
+    if not rows:
+        return np.empty((0, 2))
+    times = clock.times([stamp for stamp, _ in rows], received)
     values = np.array([position for _, position in rows])
     kept = np.abs(values) < LARGEST_VALUE  # the nodes ignore what is not finite
     order = np.argsort(times[kept], kind="stable")
