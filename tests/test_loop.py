@@ -41,7 +41,7 @@ def offline_loop():
         rows.append(plant.advance(voltage))
         if (step + 1) % 50 == 0:
             batch = np.concatenate(rows[-50:])
-            estimates = estimator.update(batch[:, 1], batch[:, 2])
+            estimates = estimator.estimates(batch[:, 1], batch[:, 2])
             if estimates:
                 arrival = round((batch[-1, 0] + DELAY) * 1e9)
                 on_the_way.append((arrival, tolerance_for_gap(estimates[-1].gap, pitch)))

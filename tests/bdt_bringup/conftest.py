@@ -19,6 +19,7 @@ from bdt_msgs_py.topics import (
     DEAD_ZONE_PARAMETER,
     DIAGNOSTICS,
     GAP_JOINT,
+    GAP_UNCERTAINTY_JOINT,
     MEASUREMENT,
     MOTOR_JOINT,
     PARAMETER_EVENTS,
@@ -33,6 +34,7 @@ from bdt_msgs_py.topics import (
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters
 from bdt_twin.dead_zone_width import tolerance_for_gap
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 
@@ -147,8 +149,12 @@ class Messages:
         message = joint_state(PLATFORM_JOINT, time, position=[position])
         self.add(REFERENCE, time if received is None else received, message)
 
-    def estimate(self, time: float, gap: float) -> None:
-        self.add(BACKLASH_ESTIMATE, time, joint_state(GAP_JOINT, time, position=[gap]))
+    def estimate(self, time: float, gap: float, uncertainty: float | None = None) -> None:
+        message = joint_state(GAP_JOINT, time, position=[gap])
+        if uncertainty is not None:
+            message.name.append(GAP_UNCERTAINTY_JOINT)
+            message.position = np.array([gap, uncertainty])
+        self.add(BACKLASH_ESTIMATE, time, message)
 
     def parameter(
         self,
@@ -166,6 +172,7 @@ class Messages:
     def dead_zone(self, time: float, value: float, **options) -> None:
         self.parameter(time, f"{self.namespace}/controller", DEAD_ZONE_PARAMETER, value, **options)
 
+    store = STORE
     rows_message = staticmethod(samples)
     joint_message = staticmethod(joint_state)
 
@@ -221,13 +228,14 @@ class Loop:
     control_rate: float = 500.0
     batch_time: float = 0.1
     namespace: str = ""
+    sensor: SensorParameters = IDEAL_SENSOR
 
 
 def run_loop(loop: Loop) -> Messages:
     """Run plant, controller and estimator and return the messages that the nodes would send."""
     profile = GapProfile(final=loop.final_gap, growth_time=loop.duration, exponent=1.0)
     sampling = Sampling(sampling_rate=loop.sampling_rate, control_rate=loop.control_rate)
-    plant = PlantSimulator(PlantModel(), profile, sampling)
+    plant = PlantSimulator(PlantModel(), profile, sampling, loop.sensor)
     estimator = InverseFilterEstimator(
         PlantModel(), InverseFilterSettings(sampling_rate=loop.sampling_rate)
     )
@@ -258,7 +266,7 @@ def run_loop(loop: Loop) -> Messages:
             messages.add(TRUTH, plant.time, samples(truths, TRUTH_COLUMNS))
             clock = ros("rosgraph_msgs/msg/Clock", clock=stamp(plant.time))
             messages.add(CLOCK, plant.time, clock)
-            for found in estimator.update(batch[:, 1], batch[:, 2]):
+            for found in estimator.estimates(batch[:, 1], batch[:, 2]):
                 messages.estimate(found.sample / loop.sampling_rate, found.gap)
                 if loop.dead_zone is None:
                     due = plant.time + loop.delay
@@ -284,6 +292,14 @@ def linear_loop() -> Messages:
 def small_loop() -> Messages:
     """Return the messages of two seconds at low rates."""
     return run_loop(Loop(duration=2.0, step_time=1.0, sampling_rate=500.0, control_rate=50.0))
+
+
+@pytest.fixture(scope="session")
+def shortest_loop() -> Messages:
+    """Return the messages of 0.6 s at low rates, with every topic that the analysis reads."""
+    messages = run_loop(Loop(duration=0.6, step_time=0.2, sampling_rate=500.0, control_rate=50.0))
+    messages.diagnosed_dead_zone(0.1, 1e-5)
+    return messages
 
 
 @pytest.fixture(scope="session")

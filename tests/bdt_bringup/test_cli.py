@@ -6,6 +6,10 @@ from importlib.util import find_spec
 
 import pytest
 
+from bdt_bringup.cli import run_command
+from bdt_msgs_py.exit_codes import BAD_INPUT
+from bdt_msgs_py.topics import REFERENCE
+
 needs_control = pytest.mark.skipif(find_spec("control") is None, reason="needs python-control")
 
 WITHOUT_ROS = """
@@ -36,6 +40,23 @@ def test_a_bag_is_analyzed(tmp_path, following_bag):
     done = run_without_ros("analyze", following_bag, "--output", tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "report.html").exists()
+
+
+def test_loop_and_topics_of_a_bag_can_be_chosen(small_loop, tmp_path, capsys):
+    both = small_loop.without()
+    for name, *message in small_loop.without(REFERENCE).items:
+        both.items.append((f"/a{name}", *message))
+        if name == "/telemetry":
+            both.items.append(("/b/samples", *message))
+    bag, out = str(both.write(tmp_path / "bag")), str(tmp_path / "out")
+    assert run_command(["analyze", bag, "--output", out]) == BAD_INPUT
+    assert "holds 2 loops, in the namespaces / and /a: choose one" in capsys.readouterr().err
+    assert run_command(["analyze", bag, "--output", out, "--namespace", "a"]) == 0
+    assert "note: no reference: no step is judged" in capsys.readouterr().out
+    chosen = ["--namespace", "a", "--topic", "telemetry:=/b/samples"]
+    assert run_command(["analyze", bag, "--output", out, *chosen]) == 0
+    assert run_command(["analyze", bag, "--topic", "telemetry"]) == BAD_INPUT
+    assert capsys.readouterr().err.startswith("error: topic 'telemetry': must be TOPIC=NAME")
 
 
 @needs_control

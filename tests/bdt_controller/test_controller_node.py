@@ -74,6 +74,17 @@ def test_every_measurement_is_answered_with_its_own_stamp_and_the_core_s_voltage
         )
 
 
+def test_no_command_is_beyond_the_voltage_limit(ros):
+    bench = Bench(ros, voltage_limit=2.0)
+    core = DeadZoneController(PidGains(), ControllerSettings(voltage_limit=2.0))
+    commands = []
+    for step in range(20):
+        _, voltage = bench.measure(step * PERIOD, 1e-4 * step)
+        assert voltage == core.step(5e-3, 1e-4 * step)
+        commands.append(abs(voltage))
+    assert max(commands) == 2.0
+
+
 def test_a_repeated_measurement_gets_the_same_answer_and_moves_nothing(ros):
     bench = Bench(ros)
     bench.measure(0, 0.0)

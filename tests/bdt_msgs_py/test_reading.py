@@ -73,6 +73,12 @@ def test_what_is_read_are_plain_numbers():
     assert type(position) is float
 
 
+def test_a_joint_is_found_among_those_of_a_whole_robot():
+    message = joint_state(["arm", "platform_3", "motor"], position=[1.0, 0.25, 2.0])
+    assert read_position(message, "platform_3")[1] == 0.25
+    assert read_voltage(joint_state(["arm", "motor"], effort=[1.0, 3.0]))[1] == 3.0
+
+
 @pytest.mark.parametrize(
     ("names", "position"),
     [
@@ -85,9 +91,10 @@ def test_what_is_read_are_plain_numbers():
         (["Platform_3"], [0.25]),
     ],
 )
-def test_a_position_of_anything_but_the_one_joint_is_refused(names, position):
+def test_a_position_that_is_not_there_once_is_refused(names, position):
     text = (
-        r"^JointState with names .* and \d position values: must be the joint platform_3 with one"
+        r"^JointState with names .* and \d position values: must have the joint platform_3 once "
+        "and one position for each joint$"
     )
     with pytest.raises(ValueError, match=text):
         read_position(joint_state(names, position=position), "platform_3")
@@ -99,7 +106,8 @@ def test_a_position_of_anything_but_the_one_joint_is_refused(names, position):
 )
 def test_a_voltage_of_anything_but_the_motor_is_refused(names, effort):
     text = (
-        r"^JointState with names .* and \d effort values: must be the joint motor with one effort"
+        r"^JointState with names .* and \d effort values: must have the joint motor once "
+        "and one effort for each joint$"
     )
     with pytest.raises(ValueError, match=text):
         read_voltage(joint_state(names, effort=effort))

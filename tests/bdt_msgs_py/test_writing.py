@@ -15,6 +15,7 @@ from bdt_msgs_py.reading import (
     read_samples,
     read_voltage,
 )
+from bdt_msgs_py.topics import GAP_JOINT, GAP_UNCERTAINTY_JOINT
 from bdt_msgs_py.writing import (
     gap_estimate,
     motor_voltage,
@@ -42,9 +43,13 @@ def test_a_position_reads_back_as_written(stamp, position):
     assert read_position(platform_position(stamp, position), "platform_3") == (stamp, position)
 
 
-@given(stamps, values)
-def test_an_estimate_reads_back_as_written(stamp, gap):
-    assert read_position(gap_estimate(stamp, gap), "backlash_gap") == (stamp, gap)
+@given(stamps, values, values, values)
+def test_an_estimate_reads_back_as_written(stamp, gap, uncertainty, growth):
+    message = gap_estimate(stamp, gap, uncertainty, growth)
+    assert read_position(message, GAP_JOINT) == (stamp, gap)
+    assert read_position(message, GAP_UNCERTAINTY_JOINT) == (stamp, uncertainty)
+    assert message.velocity[0] == growth
+    assert isinstance(message.position, array)
 
 
 @given(stamps, values)
@@ -56,10 +61,9 @@ def test_a_voltage_reads_back_as_written(stamp, voltage):
     ("message", "used", "unused"),
     [
         (platform_position(0, 1.0), "position", ("velocity", "effort")),
-        (gap_estimate(0, 1.0), "position", ("velocity", "effort")),
         (motor_voltage(0, 1.0), "effort", ("position", "velocity")),
     ],
-    ids=["position", "gap", "voltage"],
+    ids=["position", "voltage"],
 )
 def test_a_joint_state_carries_one_number_and_nothing_else(message, used, unused):
     assert list(getattr(message, used)) == [1.0]
@@ -68,9 +72,9 @@ def test_a_joint_state_carries_one_number_and_nothing_else(message, used, unused
 
 
 def test_the_readers_refuse_each_other_s_messages():
-    with pytest.raises(ValueError, match="must be the joint platform_3"):
-        read_position(gap_estimate(0, 1.0), "platform_3")
-    with pytest.raises(ValueError, match="must be the joint motor"):
+    with pytest.raises(ValueError, match="must have the joint platform_3 once"):
+        read_position(gap_estimate(0, 1.0, 0.1, 0.0), "platform_3")
+    with pytest.raises(ValueError, match="must have the joint motor once"):
         read_voltage(platform_position(0, 1.0))
 
 

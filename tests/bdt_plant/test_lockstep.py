@@ -1,5 +1,7 @@
 """When the followers of a lockstep plant hold it."""
 
+import pytest
+
 from bdt_plant.lockstep import Followers
 
 SECOND = 1_000_000_000
@@ -32,11 +34,34 @@ def test_a_follower_that_took_the_newest_telemetry_lets_the_plant_go():
     assert followers.holding(2 * SECOND) == []
 
 
-def test_a_follower_behind_the_newest_telemetry_holds_the_plant():
+def test_the_first_telemetry_is_awaited():
+    # Before it a follower cannot know when it will act.
     followers = Followers(["twin"])
-    followers.progress("twin", SECOND, 100 * SECOND)
-    followers.telemetry_published(SECOND + 1)
-    assert followers.holding(SECOND + 1) == ["twin"]
+    followers.progress("twin", 0, 100 * SECOND)
+    followers.telemetry_published(SECOND)
+    assert followers.holding(SECOND) == ["twin"]
+
+
+@pytest.mark.parametrize(
+    ("batch", "batches"), [(SECOND // 100, 20), (SECOND // 10, 10), (2 * SECOND, 0)]
+)
+def test_the_plant_runs_ahead_of_a_follower_by_20_batches_or_one_second(batch, batches):
+    followers = Followers(["twin"])
+    followers.telemetry_published(batch)
+    followers.progress("twin", batch, 100 * SECOND)
+    for ahead in range(1, batches + 1):
+        followers.telemetry_published(batch + ahead * batch)
+        assert followers.holding(SECOND) == []
+        assert followers.behind() == ["twin"]
+    followers.telemetry_published((batches + 2) * batch)
+    assert followers.holding(SECOND) == ["twin"]
+
+
+def test_nobody_is_behind_who_has_the_newest_telemetry():
+    followers = Followers(["twin", "recorder"])
+    followers.telemetry_published(SECOND)
+    followers.progress("twin", SECOND, SECOND)
+    assert followers.behind() == ["recorder"]
 
 
 def test_a_follower_holds_the_plant_from_the_time_at_which_it_acts():

@@ -88,6 +88,21 @@ def test_the_steady_speed_is_the_voltage_over_the_back_emf_constant():
     assert current == pytest.approx(0.0, abs=1e-12)  # nothing brakes the motor but the back-EMF
 
 
+def test_viscous_friction_is_one_more_term_of_the_same_linear_model():
+    friction = 3e-4
+    with_friction = control.tf([K_T], [J * L, J * R + friction * L, K_B * K_T + friction * R, 0])
+    held = control.sample_system(control.ss(with_friction), SAMPLE_TIME, "zoh")
+    voltages = random_voltages(200)
+    times = np.arange(voltages.size + 1) * SAMPLE_TIME
+    expected = control.forced_response(held, times, np.append(voltages, 0.0)).outputs
+    step = discretize_motor(MotorParameters(viscous_friction=friction), SAMPLE_TIME)
+    state, angles = AT_REST, []
+    for voltage in voltages:
+        state = motor_step(state, float(voltage), step)
+        angles.append(state.angle)
+    np.testing.assert_allclose(angles, expected[1:], rtol=0, atol=1e-11)
+
+
 def test_the_poles_are_those_of_eq_2():
     step = discretize_motor(MotorParameters(), SAMPLE_TIME)
     one_sample = [(*step.current[:2], 0), (*step.speed[:2], 0), (*step.angle[:2], 1)]
@@ -142,7 +157,14 @@ def test_a_constant_that_no_motor_has_is_refused(name, value):
         MotorParameters(**{name: value})
 
 
+@pytest.mark.parametrize("name", ["viscous_friction", "coulomb_friction"])
+@pytest.mark.parametrize("value", [-1e-9, float("nan"), float("inf"), "0", None])
+def test_a_friction_that_drives_is_refused(name, value):
+    with pytest.raises(ValueError, match=rf"MotorParameters\.{name} = .*must be .* to "):
+        MotorParameters(**{name: value})
+
+
 def test_the_defaults_are_table_1():
     assert MotorParameters() == MotorParameters(
-        inertia=J, inductance=L, resistance=R, torque_constant=K_T, back_emf_constant=K_B
+        J, L, R, torque_constant=K_T, back_emf_constant=K_B, viscous_friction=0, coulomb_friction=0
     )

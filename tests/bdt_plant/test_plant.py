@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile, gap_at
-from bdt_plant.motor import MotorState
+from bdt_plant.motor import MotorParameters, MotorState
 from bdt_plant.plant import (
     AT_REST,
     PlantModel,
@@ -18,6 +19,7 @@ from bdt_plant.plant import (
     discretize_plant,
     plant_step,
 )
+from bdt_plant.sensor import Sensor, SensorParameters
 from bdt_plant.structure import StructureState
 
 # Table 1, written again so that a wrong default is seen.
@@ -212,6 +214,80 @@ def test_advance_takes_the_same_steps_as_plant_step():
     assert q3.tolist() == states[:-1, 6].tolist()
     assert simulator.position == states[-1, 6]
     assert simulator.state.theta_d == states[-1, 3]
+
+
+def test_measurement_and_telemetry_are_the_sensor_s_readings_and_truth_stays_true():
+    parameters = SensorParameters(1e-6, 1e-7, 1e-3, 0.1, 2)
+    noisy = PlantSimulator(PlantModel(), GapProfile(), Sampling(), parameters)
+    clean = PlantSimulator(PlantModel(), GapProfile(), Sampling())
+    sensor = Sensor(parameters, RATE)
+    for voltage in smooth_voltages(100):
+        measured, truth = noisy.position, noisy.truth()
+        rows, true_rows = noisy.advance(voltage), clean.advance(voltage)
+        assert rows[0, 2] == measured
+        assert truth[-1] == true_rows[0, 2]
+        assert rows[:, 2].tolist() == [sensor.read(q3) for q3 in true_rows[:, 2].tolist()]
+    assert noisy.state == clean.state
+    sensor.read(clean.position)  # the measurement that would come next
+    assert noisy.dropped_samples == sensor.dropped > 50
+    assert clean.dropped_samples == 0
+
+
+def test_the_telemetry_s_voltage_is_the_one_that_the_actuator_applied():
+    limited = PlantSimulator(
+        PlantModel(), GapProfile(), Sampling(), actuator=ActuatorParameters(saturation=True)
+    )
+    free = PlantSimulator(PlantModel(), GapProfile(), Sampling())
+    for voltage, applied in ((60.0, 48.0), (47.0, 47.0), (-1e9, -48.0), (48.0, 48.0)):
+        rows = limited.advance(voltage)
+        assert set(rows[:, 1]) == {applied}
+        np.testing.assert_array_equal(rows, free.advance(applied))
+    assert limited.saturated_steps == 2
+    assert free.saturated_steps == 0
+
+
+def test_a_rubbing_motor_that_does_not_turn_back_moves_q3_exactly():
+    """Friction is then a constant torque, one more input of the same linear equations."""
+    torque = 0.05
+    step = discretize_plant(PlantModel(MotorParameters(coulomb_friction=torque)), 1 / RATE)
+    turning = MotorState(0.1, 50.0, 0.0)
+    state = AT_REST._replace(motor=turning, contact=1)
+    a, b = equations(screw_moves=True)
+    rubbing = np.zeros(8)
+    rubbing[1] = -torque / J
+    expected, errors, speeds = np.array([*turning, *[0.0] * 5]), [], []
+    for k in range(100):
+        voltage = 6.0 + 4.0 * math.sin(k / 8)
+        for _ in range(HOLD):
+            state = plant_step(state, voltage, 0.0, step)
+        held = b * voltage + rubbing
+        expected = solve_ivp(
+            lambda _t, x, held=held: a @ x + held,
+            (0.0, HOLD / RATE),
+            expected,
+            "DOP853",
+            rtol=1e-11,
+            atol=1e-15,
+        ).y[:, -1]
+        errors.append(abs(state.structure.q3 - expected[6]))
+        speeds.append(expected[1])
+    assert min(speeds) > 0
+    # 1e-8 m if the structure were told of a motor on another way.
+    assert max(errors) < 1e-11
+
+
+def test_without_friction_the_step_is_that_of_a_motor_without_it_bit_for_bit():
+    voltages = rough_voltages(50)
+    little = PlantModel(MotorParameters(coulomb_friction=1e-30))
+    steps = discretize_plant(PlantModel(), 1 / RATE), discretize_plant(little, 1 / RATE)
+    assert steps[0].motor == steps[1].motor
+    states = [AT_REST, AT_REST]
+    for voltage in voltages:
+        states = [
+            plant_step(state, voltage, 0.1, step) for state, step in zip(states, steps, strict=True)
+        ]
+    # A friction of nothing goes the other way through the code and arrives at the same place.
+    np.testing.assert_allclose(states[0].structure, states[1].structure, rtol=1e-9, atol=1e-18)
 
 
 def test_a_step_uses_the_gap_at_its_end():

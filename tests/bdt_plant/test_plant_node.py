@@ -26,9 +26,12 @@ from bdt_msgs_py.topics import (
     TRUTH_COLUMNS,
 )
 from bdt_msgs_py.writing import motor_voltage, platform_position, progress
+from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile
+from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
 from bdt_plant.plant_node import PlantNode
+from bdt_plant.sensor import SensorParameters
 
 PERIOD = 2_000_000
 
@@ -87,6 +90,44 @@ def test_in_lockstep_the_plant_publishes_what_its_core_computes(ros):
     ros.spin_until(lambda: len(bench.telemetry) == 5 and len(bench.truth) == 5)
     np.testing.assert_array_equal(np.concatenate(bench.telemetry), np.concatenate(rows))
     np.testing.assert_array_equal(np.concatenate(bench.truth), np.array(truth))
+
+
+def test_an_imperfect_plant_publishes_what_its_core_measures_and_counts_what_went_wrong(ros):
+    bench = Bench(
+        ros,
+        telemetry_period=0.01,
+        sensor__noise=1e-6,
+        sensor__quantization=1e-7,
+        sensor__delay=1e-3,
+        sensor__drop_probability=0.2,
+        sensor__seed=7,
+        actuator__saturation=True,
+        actuator__voltage_limit=8.0,
+        motor__coulomb_friction=0.02,
+        motor__viscous_friction=1e-4,
+    )
+    core = PlantSimulator(
+        PlantModel(MotorParameters(coulomb_friction=0.02, viscous_friction=1e-4)),
+        GapProfile(),
+        Sampling(),
+        SensorParameters(1e-6, 1e-7, 1e-3, 0.2, 7),
+        ActuatorParameters(saturation=True, voltage_limit=8.0),
+    )
+    ros.spin_until(lambda: bench.measurements)
+    rows, truth = [], []
+    for step in range(25):
+        voltage = 10.0 * math.sin(step)
+        assert bench.measurements[-1] == (step * PERIOD, core.position)
+        truth.append(core.truth())
+        rows.append(core.advance(voltage))
+        bench.answer(voltage)
+    ros.spin_until(lambda: len(bench.telemetry) == 5 and len(bench.truth) == 5)
+    np.testing.assert_array_equal(np.concatenate(bench.telemetry), np.concatenate(rows))
+    np.testing.assert_array_equal(np.concatenate(bench.truth), np.array(truth))
+    health = bench.plant._health()
+    beyond = sum(abs(10.0 * math.sin(step)) > 8.0 for step in range(25))
+    assert health.values["saturated_steps"] == core.saturated_steps == beyond
+    assert health.values["dropped_samples"] == core.dropped_samples > 0
 
 
 def test_in_lockstep_nothing_moves_without_the_command_for_the_newest_measurement(ros):
@@ -217,6 +258,8 @@ def test_in_real_time_a_voltage_without_fresh_commands_becomes_zero(ros):
         ({"gap__final": -0.1}, "gap.final = -0.1"),
         ({"gap__table_times": [0.0, 2.0, 1.0]}, "table_gaps has 2 values"),
         ({"gap__knd": "ramp"}, "gap.knd = 'ramp': is not a parameter of /plant"),
+        ({"sensor__drop_probability": 1.5}, "sensor.drop_probability = 1.5: must be"),
+        ({"actuator__voltage_limit": 0.0}, "actuator.voltage_limit = 0.0: must be"),
         ({"structure__mass": "heavy"}, "structure.mass = 'heavy': must be a number"),
     ],
 )

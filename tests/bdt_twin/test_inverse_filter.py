@@ -17,6 +17,7 @@ from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
 from bdt_twin import compilation
 from bdt_twin.angle_observer import AngleObserver
 from bdt_twin.contact import compiled_sums
+from bdt_twin.estimator import TelemetryRejectedError
 from bdt_twin.inverse_filter import STRETCH, InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.recursion import compiled_recursion, filter_side_by_side
 
@@ -38,7 +39,7 @@ def estimate(voltage, position, chosen=None, cuts=()):
     return [
         found
         for begin, end in pairwise(bounds)
-        for found in estimator.update(voltage[begin:end], position[begin:end])
+        for found in estimator.estimates(voltage[begin:end], position[begin:end])
     ]
 
 
@@ -235,9 +236,9 @@ def test_an_old_reversal_leaves_with_the_window(constant_gap):
 
 def test_a_restart_forgets_everything(recording, whole):
     estimator = InverseFilterEstimator(PlantModel(), QUICK)
-    estimator.update(*(column[:3210] for column in recording))
+    estimator.estimates(*(column[:3210] for column in recording))
     estimator.restart()
-    assert estimator.update(*recording) == whole
+    assert estimator.estimates(*recording) == whole
 
 
 def test_a_restart_while_the_structure_swings_finds_the_gap_again(constant_gap):
@@ -296,3 +297,36 @@ def without_numba(monkeypatch):
 def test_without_numba_the_estimates_are_the_same_exactly(recording, whole):
     assert compiled_recursion() is filter_side_by_side
     assert estimate(*recording, QUICK) == whole
+
+
+# As an Estimator ------------------------------------------------------------------------------
+
+
+def rows_from(telemetry, start):
+    times = start + np.arange(len(telemetry[0])) / RATE
+    return np.column_stack([times, *telemetry])
+
+
+def test_a_batch_gives_the_newest_of_its_estimates_with_its_time(recording, whole):
+    estimator = InverseFilterEstimator(PlantModel(), QUICK)
+    estimate = estimator.update(rows_from(recording, 7.0))
+    assert estimate.gap == whole[-1].gap
+    assert estimate.time == pytest.approx(7.0 + whole[-1].sample / RATE, abs=1e-12)
+    assert np.isnan(estimate.uncertainty)
+    assert estimate.reason == ""
+
+
+def test_a_hole_is_rejected_and_the_next_batch_begins_anew(recording, whole):
+    estimator = InverseFilterEstimator(PlantModel(), QUICK)
+    rows = rows_from(recording, 0.0)
+    estimator.update(rows[:1000])
+    with pytest.raises(TelemetryRejectedError, match="time step of"):
+        estimator.update(rows_from(recording, 30.0))
+    estimate = estimator.update(rows_from(recording, 50.0))
+    assert estimate.gap == whole[-1].gap
+    assert estimate.time == pytest.approx(50.0 + whole[-1].sample / RATE, abs=1e-12)
+
+
+def test_batches_without_an_estimate_that_is_due_give_none(recording):
+    estimator = InverseFilterEstimator(PlantModel(), QUICK)
+    assert estimator.update(rows_from(recording, 0.0)[:5]) is None

@@ -93,6 +93,15 @@ class Bench:
             self.tick(round(batch[-1, 0] + 2e-4, 4))
             self.send(batch)
 
+    def wait_for_progress(self, telemetry_end):
+        """Wait until the twin has worked on the telemetry up to a stamp [ns]."""
+        self.ros.spin_until(
+            lambda: (
+                self.progress
+                and nanoseconds_from_stamp(self.progress[-1].header.stamp) == telemetry_end
+            )
+        )
+
     @property
     def health(self):
         return self.twin._health().values
@@ -104,7 +113,7 @@ def test_the_twin_publishes_what_its_estimator_computes(ros, telemetry):
     core = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
     expected = [
         (round(estimate.sample * 1e9 / 5000), estimate.gap)
-        for estimate in core.update(telemetry[:, 1], telemetry[:, 2])
+        for estimate in core.estimates(telemetry[:, 1], telemetry[:, 2])
     ]
     ros.spin_until(lambda: len(bench.estimates) >= len(expected))
     assert bench.estimates == expected
@@ -131,10 +140,31 @@ def test_without_delay_the_dead_zone_changes_at_once(ros, telemetry):
 def test_the_twin_tells_a_lockstep_plant_when_it_will_act(ros, telemetry):
     bench = Bench(ros, communication_delay=1.0)
     bench.run(telemetry[:7500])
-    ros.spin_until(lambda: nanoseconds_from_stamp(bench.progress[-1].header.stamp) == 1499800000)
+    bench.wait_for_progress(1_499_800_000)
     acts_at = nanoseconds_from_stamp(bench.progress[-1].time_ref)
-    assert acts_at == bench.twin._link.next_due()
+    assert acts_at == bench.twin._reconfigurator.next_due()
     assert bench.progress[-1].source == "twin"
+
+
+def test_the_twin_promises_not_to_act_before_the_next_batch_and_the_delay(ros, telemetry):
+    bench = Bench(ros, communication_delay=1.0)
+    bench.run(telemetry[:BATCH])
+    bench.wait_for_progress(99_800_000)
+    assert nanoseconds_from_stamp(bench.progress[-1].time_ref) == 1_199_800_000
+
+
+def test_without_delay_the_twin_promises_until_the_next_batch_is_published(ros, telemetry):
+    bench = Bench(ros, communication_delay=0.0)
+    bench.run(telemetry[:BATCH])
+    bench.wait_for_progress(99_800_000)
+    assert nanoseconds_from_stamp(bench.progress[-1].time_ref) == 200_000_000
+
+
+def test_a_twin_that_only_estimates_promises_never_to_act(ros, telemetry):
+    bench = Bench(ros, reconfigure=False)
+    bench.run(telemetry[:BATCH])
+    bench.wait_for_progress(99_800_000)
+    assert bench.progress[-1].time_ref.sec == 2**31 - 1
 
 
 def test_a_twin_that_only_estimates_leaves_the_controller_alone(ros, telemetry):
@@ -168,10 +198,43 @@ def broken(rows, how):
     return rows
 
 
-@pytest.mark.parametrize("how", ["nan", "hole", "back in time", "lost batch"])
-def test_telemetry_that_does_not_continue_is_rejected_counted_and_restarts_the_estimator(
-    ros, telemetry, how
+STUBBORN = """
+from bdt_twin.estimator import Estimate
+
+class Stubborn:
+    def __init__(self, model, sampling_rate):
+        pass
+
+    def restart(self):
+        pass
+
+    def update(self, batch, *, newest_only=False):
+        return Estimate(float(batch[-1, 0]), 0.25, uncertainty=0.01, growth=0.002, reversals=3)
+"""
+
+
+def test_an_estimator_of_somebody_else_sets_a_dead_zone_with_its_margin(
+    ros, telemetry, tmp_path, monkeypatch
 ):
+    (tmp_path / "stubborn.py").write_text(STUBBORN)
+    monkeypatch.syspath_prepend(tmp_path)
+    bench = Bench(
+        ros,
+        estimator__kind="stubborn:Stubborn",
+        dead_zone__coverage_factor=2.0,
+        communication_delay=0.1,
+    )
+    bench.run(telemetry[:1500])
+    ros.spin_until(lambda: bench.requests)
+    expected = 1e-3 / (2 * np.pi) * (0.25 + 2.0 * 0.01 + 0.1 * 0.002)
+    assert bench.requests[0][1] == pytest.approx(expected, rel=1e-9)
+    assert bench.health["gap_uncertainty_rad"] == 0.01
+    assert bench.health["reversals"] == 3
+    assert bench.health["estimator"] == "stubborn:Stubborn"
+
+
+@pytest.mark.parametrize("how", ["nan", "hole", "back in time", "lost batch"])
+def test_telemetry_that_does_not_continue_is_rejected_and_counted(ros, telemetry, how):
     bench = Bench(ros)
     bench.run(telemetry[:1000])
     if how == "back in time":
@@ -186,7 +249,6 @@ def test_telemetry_that_does_not_continue_is_rejected_counted_and_restarts_the_e
     assert bench.health["telemetry_rejected"] == 1
     bench.send(following)
     assert bench.health["telemetry_rejected"] == 1
-    assert bench.health["estimator_restarts"] == 1
 
 
 def test_messages_without_the_layout_of_telemetry_are_rejected_and_counted(ros):
@@ -202,6 +264,8 @@ def test_messages_without_the_layout_of_telemetry_are_rejected_and_counted(ros):
         ({"estimator__window": 0.25}, "window = 0.25 s: must be a multiple of update_period"),
         ({"estimator__delay": 0}, "estimator.delay = 0: must be an integer, 1 to 1000 samples"),
         ({"reconfigure": 1}, "reconfigure = 1: must be true or false"),
+        ({"estimator__kind": "kalman"}, "kind = 'kalman': must be one of inverse_filter"),
+        ({"estimator__kind": "nowhere:Found"}, "estimator.kind = 'nowhere:Found': No module"),
         ({"estimator__windw": 2.0}, "is not a parameter of /twin"),
     ],
 )

@@ -9,7 +9,8 @@ from pathlib import Path
 from rich.console import Console
 
 from bdt_bringup.analysis.step_table import step_table
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
+from bdt_bringup.bags.topic_selection import TopicSelection, topic_remapping
 from bdt_bringup.benchmarks.bench_table import bench_table
 from bdt_bringup.running.configuration import BadInputError, load_configuration
 from bdt_bringup.running.run_plan import plan_run
@@ -71,8 +72,19 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _analyze(options: argparse.Namespace) -> int:
+    from bdt_bringup.analysis.export import checked_formats  # noqa: PLC0415
+
     beside = options.bag.parent / f"{options.bag.name}_report"
-    _report(options.bag, options.output or beside, as_json=options.json)
+    selection = TopicSelection(options.namespace, dict(map(topic_remapping, options.topic)))
+    formats = checked_formats(options.export) if options.export is not None else ()
+    _report(options.bag, options.output or beside, selection, formats, as_json=options.json)
+    return 0
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from bdt_bringup.analysis.compare_command import run_comparison  # noqa: PLC0415
+
+    run_comparison(options.bags, options.output, as_json=options.json)
     return 0
 
 
@@ -106,11 +118,18 @@ def _bench(options: argparse.Namespace) -> int:
     return 0
 
 
-def _report(bag: Path, output: Path, *, as_json: bool) -> None:
+def _report(
+    bag: Path,
+    output: Path,
+    selection: TopicSelection | None = None,
+    formats: Sequence[str] = (),
+    *,
+    as_json: bool,
+) -> None:
     from bdt_bringup.analysis.analyze import analyze  # noqa: PLC0415
     from bdt_bringup.analysis.report import verdict  # noqa: PLC0415
 
-    summary = analyze(bag, output)
+    summary = analyze(bag, output, selection, formats)
     if as_json:
         print(json.dumps(summary.to_dictionary(), indent=2))
         return
@@ -118,6 +137,8 @@ def _report(bag: Path, output: Path, *, as_json: bool) -> None:
     console.print(step_table(summary))
     result = verdict(summary)
     console.print(f"{result.headline}: {result.details}", soft_wrap=True, highlight=False)
+    if summary.missing:
+        console.print(f"note: {'; '.join(summary.missing)}", soft_wrap=True, highlight=False)
     console.print(f"report: {output / 'report.html'}", soft_wrap=True, highlight=False)
 
 
@@ -164,8 +185,38 @@ def _parser() -> argparse.ArgumentParser:
     analyze_command.add_argument(
         "--output", type=Path, metavar="DIR", help="folder for the report (default: BAG_report)"
     )
+    analyze_command.add_argument(
+        "--namespace", metavar="NAME", help="namespace of the loop, for a bag that holds several"
+    )
+    analyze_command.add_argument(
+        "--topic",
+        action="append",
+        default=[],
+        metavar="TOPIC=NAME",
+        help="a topic that was remapped: telemetry=/my/telemetry (repeatable)",
+    )
+    analyze_command.add_argument(
+        "--export",
+        metavar="FORMATS",
+        help="also write figures (png, svg) and signals (csv, parquet); separated by commas",
+    )
     analyze_command.add_argument("--json", action="store_true", help="print summary.json")
     analyze_command.set_defaults(command=_analyze)
+    compare = commands.add_parser(
+        "compare",
+        help="overlay the runs of several bags in one page",
+        description="Analyze several bags and set them side by side; needs no ROS.",
+    )
+    compare.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="rosbag2 folder or file")
+    compare.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE",
+        default=Path("comparison.html"),
+        help="page (default: comparison.html)",
+    )
+    compare.add_argument("--json", action="store_true", help="print the numbers of all runs")
+    compare.set_defaults(command=_compare)
     bench = commands.add_parser(
         "bench",
         help="measure cores and transport beside a peer and a floor",

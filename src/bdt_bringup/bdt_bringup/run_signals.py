@@ -1,6 +1,6 @@
 """Signals of one run of the loop, whether recorded or simulated offline."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,9 @@ class RunSignals:
         it is known.
     pitch : float
         Pitch of the lead screw [m/rad].
+    uncertainties : ndarray, shape (k, 2)
+        Rows of (time [s], standard uncertainty of the estimate in force [rad]); empty when the
+        twin tells none.
     """
 
     time_origin: float = 0.0
@@ -39,6 +42,7 @@ class RunSignals:
     estimates: FloatArray
     dead_zones: FloatArray
     pitch: float
+    uncertainties: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
 
     @property
     def sample_time(self) -> float:

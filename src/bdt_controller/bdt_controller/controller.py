@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass
 
-from bdt_controller.dead_zone import dead_zone_pid_step
 from bdt_controller.pid import INITIAL_PID, PidGains, discretize_pid
+from bdt_controller.voltage_limit import limited_pid_step
 from bdt_msgs_py.quantities import quantity, validate
 
 
 @dataclass(frozen=True)
 class ControllerSettings:
-    """Rate and dead zone of the controller."""
+    """Rate, dead zone and voltage limit of the controller."""
 
     control_rate: float = quantity(500.0, "Hz", "rate of measurements", minimum=0.1, maximum=1e6)
     dead_zone_tolerance: float = quantity(
@@ -20,6 +20,13 @@ class ControllerSettings:
         minimum=0.0,
         maximum=0.1,
         reconfigurable=True,
+    )
+    voltage_limit: float = quantity(
+        0.0,
+        "V",
+        "largest voltage commanded, with conditional integration against windup; 0 for no limit",
+        minimum=0.0,
+        maximum=1e6,
     )
 
     def __post_init__(self) -> None:
@@ -34,7 +41,7 @@ class DeadZoneController:
     gains : PidGains
         Gains of eq. 4.
     settings : ControllerSettings
-        Rate and dead zone.
+        Rate, dead zone and voltage limit.
     """
 
     def __init__(self, gains: PidGains, settings: ControllerSettings) -> None:
@@ -45,6 +52,7 @@ class DeadZoneController:
         """Take new gains and a new dead zone from the next step on; the state stays."""
         self._step = discretize_pid(gains, 1.0 / settings.control_rate)
         self._tolerance = settings.dead_zone_tolerance
+        self._limit = settings.voltage_limit
 
     def reset(self) -> None:
         """Forget the past errors."""
@@ -58,7 +66,7 @@ class DeadZoneController:
         reference, position : float
             Reference r and measured position q3 of platform 3 [m].
         """
-        self._state, voltage = dead_zone_pid_step(
-            self._state, reference - position, self._tolerance, self._step
+        self._state, voltage = limited_pid_step(
+            self._state, reference - position, self._tolerance, self._step, self._limit
         )
         return voltage

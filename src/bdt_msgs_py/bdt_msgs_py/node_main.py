@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from typing import TypeVar
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -11,8 +12,25 @@ from rclpy.task import Future
 from bdt_msgs_py.exit_codes import BAD_INPUT, FAILED, LoopError
 from bdt_msgs_py.node_parameters import ConfigurationError
 
+NodeType = TypeVar("NodeType", bound=Node)
 
-def run_node(create: Callable[[], Node], args: list[str] | None) -> int:
+
+def spin_until_finished(executor: SingleThreadedExecutor, node: Node) -> None:
+    """Run the callbacks of a node until its future ``finished``, if it has one, is done."""
+    finished: Future[None] | None = getattr(node, "finished", None)
+    if finished is None:
+        executor.spin()
+        return
+    executor.spin_until_future_complete(finished)
+    if finished.done():
+        finished.result()
+
+
+def run_node(
+    create: Callable[[], NodeType],
+    args: list[str] | None,
+    spin: Callable[[SingleThreadedExecutor, NodeType], None] = spin_until_finished,
+) -> int:
     """Run one node until it finishes or a signal stops it.
 
     Parameters
@@ -22,6 +40,8 @@ def run_node(create: Callable[[], Node], args: list[str] | None) -> int:
         a future, ends the process when that is done; its exception says that the node failed.
     args : list of str or None
         Command line including ROS arguments; None for ``sys.argv``.
+    spin : callable
+        Runs the callbacks; gets the executor and the node.
 
     Returns
     -------
@@ -40,7 +60,7 @@ def run_node(create: Callable[[], Node], args: list[str] | None) -> int:
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     try:
-        _spin(executor, node)
+        spin(executor, node)
     except LoopError as error:
         return _complain(str(error), FAILED)
     except (KeyboardInterrupt, ExternalShutdownException):
@@ -54,16 +74,6 @@ def run_node(create: Callable[[], Node], args: list[str] | None) -> int:
         node.destroy_node()
         rclpy.try_shutdown()
     return 0
-
-
-def _spin(executor: SingleThreadedExecutor, node: Node) -> None:
-    finished: Future[None] | None = getattr(node, "finished", None)
-    if finished is None:
-        executor.spin()
-        return
-    executor.spin_until_future_complete(finished)
-    if finished.done():
-        finished.result()
 
 
 def _complain(reason: str, code: int) -> int:

@@ -29,13 +29,15 @@ def nanoseconds_from_seconds(time: float) -> int:
 def read_position(message: Any, joint: str) -> tuple[int, float]:
     """Return ``(stamp [ns], position [m or rad])`` of `joint` in a JointState.
 
+    The message may carry other joints as well, as those of a robot's own drivers do.
+
     Raises
     ------
     ValueError
-        If the message does not carry exactly that joint with one position.
+        If the message does not carry that joint once, with a position for each joint.
     """
-    _require_joint(message, joint, "position")
-    return nanoseconds_from_stamp(message.header.stamp), float(message.position[0])
+    index = _index_of(message, joint, "position")
+    return nanoseconds_from_stamp(message.header.stamp), float(message.position[index])
 
 
 def read_voltage(message: Any) -> tuple[int, float]:
@@ -44,10 +46,10 @@ def read_voltage(message: Any) -> tuple[int, float]:
     Raises
     ------
     ValueError
-        If the message does not carry exactly the joint ``motor`` with one effort.
+        If the message does not carry the joint ``motor`` once, with an effort for each joint.
     """
-    _require_joint(message, MOTOR_JOINT, "effort")
-    return nanoseconds_from_stamp(message.header.stamp), float(message.effort[0])
+    index = _index_of(message, MOTOR_JOINT, "effort")
+    return nanoseconds_from_stamp(message.header.stamp), float(message.effort[index])
 
 
 def read_samples(message: Any, columns: Sequence[str]) -> NDArray[np.float64]:
@@ -85,10 +87,13 @@ def read_samples(message: Any, columns: Sequence[str]) -> NDArray[np.float64]:
     return data[offset:].reshape(count, width)
 
 
-def _require_joint(message: Any, joint: str, quantity: str) -> None:
-    values = getattr(message, quantity)
-    if len(message.name) != 1 or message.name[0] != joint or len(values) != 1:
+def _index_of(message: Any, joint: str, quantity: str) -> int:
+    names, values = message.name, getattr(message, quantity)
+    if len(values) == len(names) == 1 and names[0] == joint:
+        return 0
+    if list(names).count(joint) != 1 or len(values) != len(names):
         raise ValueError(
-            f"JointState with names {list(message.name)} and {len(values)} {quantity} values: "
-            f"must be the joint {joint} with one {quantity}"
+            f"JointState with names {list(names)} and {len(values)} {quantity} values: "
+            f"must have the joint {joint} once and one {quantity} for each joint"
         )
+    return list(names).index(joint)

@@ -41,7 +41,7 @@ SAMPLES = "std_msgs/msg/Float64MultiArray"
 MEASUREMENT = Topic(
     "measurement",
     JOINT_STATE,
-    "joint platform_3, position q3 [m]; stamp = sample time",
+    "joint platform_3, position q3 [m] as measured; stamp = sample time",
 )
 COMMAND = Topic(
     "command",
@@ -59,7 +59,7 @@ REFERENCE = Topic(
 TELEMETRY = Topic(
     "telemetry",
     SAMPLES,
-    "rows of (t [s], u [V], q3 [m]) at the sampling rate",
+    "rows of (t [s], u [V] as applied, q3 [m] as measured) at the sampling rate",
     depth=100,
 )
 TRUTH = Topic(
@@ -72,15 +72,17 @@ TRUTH = Topic(
 BACKLASH_ESTIMATE = Topic(
     "backlash_estimate",
     JOINT_STATE,
-    "joint backlash_gap, position = estimate [rad]; stamp = end of the data behind it",
+    "joint backlash_gap: position = estimate [rad], velocity = its growth rate [rad/s]; joint "
+    "backlash_gap_standard_uncertainty: position [rad]; stamp = time for which the gap is stated",
     transient_local=True,
     depth=1,
 )
 PROGRESS = Topic(
     "progress",
     "sensor_msgs/msg/TimeReference",
-    "source = node that keeps step with a lockstep plant, stamp = newest telemetry sample it "
-    "took, time_ref = simulated time before which it will not act on the loop",
+    "source = node that keeps step with a lockstep plant, stamp = newest telemetry sample it has "
+    "worked on, time_ref = simulated time before which it will not act on the loop, whatever "
+    "telemetry comes",
     depth=100,
 )
 PROGRESS_PERIOD = 0.1
@@ -114,6 +116,7 @@ ALL_TOPICS = (
 PLATFORM_JOINT = "platform_3"
 MOTOR_JOINT = "motor"
 GAP_JOINT = "backlash_gap"
+GAP_UNCERTAINTY_JOINT = "backlash_gap_standard_uncertainty"
 
 TELEMETRY_COLUMNS = ("t[s]", "u[V]", "q3[m]")
 TRUTH_COLUMNS = (

@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
 
 from bdt_msgs_py.reading import NANOSECONDS_PER_SECOND, NEVER
-from bdt_msgs_py.topics import GAP_JOINT, MOTOR_JOINT, PLATFORM_JOINT
+from bdt_msgs_py.topics import GAP_JOINT, GAP_UNCERTAINTY_JOINT, MOTOR_JOINT, PLATFORM_JOINT
 
 
 def stamp_from_nanoseconds(nanoseconds: int) -> Time:
@@ -32,9 +32,24 @@ def platform_position(stamp: int, position: float) -> JointState:
     return _joint_position(PLATFORM_JOINT, stamp, position)
 
 
-def gap_estimate(stamp: int, gap: float) -> JointState:
-    """Return an estimate of the backlash gap: `stamp` of the end of its data [ns], `gap` [rad]."""
-    return _joint_position(GAP_JOINT, stamp, gap)
+def gap_estimate(stamp: int, gap: float, uncertainty: float, growth: float) -> JointState:
+    """Return an estimate of the backlash gap, with its standard uncertainty as a second joint.
+
+    Parameters
+    ----------
+    stamp : int
+        Time for which the gap is stated [ns].
+    gap, uncertainty : float
+        Gap theta_b and its standard uncertainty [rad]; NaN if nobody knows how sure it is.
+    growth : float
+        Growth rate of the gap [rad/s].
+    """
+    return JointState(
+        header=Header(stamp=stamp_from_nanoseconds(stamp)),
+        name=[GAP_JOINT, GAP_UNCERTAINTY_JOINT],
+        position=array("d", (gap, uncertainty)),
+        velocity=array("d", (growth, 0.0)),
+    )
 
 
 def motor_voltage(stamp: int, voltage: float) -> JointState:
@@ -64,10 +79,10 @@ def progress(node: str, telemetry_end: int, acts_at: int | None) -> TimeReferenc
     node : str
         Name of the node.
     telemetry_end : int
-        Stamp of the newest telemetry sample that the node took [ns].
+        Stamp of the newest telemetry sample that the node has worked on [ns].
     acts_at : int or None
-        Simulated time before which the node will not act on the loop [ns]; None for never, as
-        far as the telemetry up to `telemetry_end` tells.
+        Simulated time before which the node will not act on the loop [ns], whatever telemetry
+        is still to come; None for never.
     """
     return TimeReference(
         header=Header(stamp=stamp_from_nanoseconds(telemetry_end)),

@@ -1,13 +1,20 @@
 """When a plant in lockstep may advance: bookkeeping of the nodes that keep step with it.
 
 The controller answers every measurement, so the command itself is its word. Other nodes (the
-twin, a recorder) work at their own pace; each one tells how far it has come with ``progress``
-messages. The plant waits for a follower in two cases only: it has not yet taken the newest
-telemetry, or it announced to act on the loop at the very time that the plant has reached.
-Everything that happens in simulated time is then independent of how fast the computers are.
+twin, a recorder) work at their own pace, beside the loop; each one tells with ``progress``
+messages how far it has come and until when it promises not to act on the loop, whatever telemetry
+it is still to receive. The plant waits for a follower when it reaches that time, and when the
+follower lacks so much telemetry that messages might be lost. Everything that happens in simulated
+time is then independent of how fast the computers are.
 """
 
 from collections.abc import Iterable
+
+LEAD = 1_000_000_000
+"""Simulated time [ns] by which the plant runs ahead of a follower at most."""
+
+LEAD_BATCHES = 20
+"""Telemetry batches by which the plant runs ahead of a follower at most."""
 
 
 class Followers:
@@ -23,12 +30,16 @@ class Followers:
         self._telemetry_end: dict[str, int] = {name: -1 for name in names if name}
         self._acts_at: dict[str, int] = dict.fromkeys(self._telemetry_end, 0)
         self._newest_telemetry = 0
+        self._lead = 0
 
     def __len__(self) -> int:
         return len(self._telemetry_end)
 
     def telemetry_published(self, end: int) -> None:
         """Note that telemetry was published whose newest sample has the stamp `end` [ns]."""
+        # Nobody can promise anything about telemetry that he never saw: the first batch is awaited.
+        first = self._newest_telemetry == 0
+        self._lead = 0 if first else min(LEAD, LEAD_BATCHES * (end - self._newest_telemetry))
         self._newest_telemetry = end
 
     def progress(self, name: str, telemetry_end: int, acts_at: int) -> bool:
@@ -39,9 +50,9 @@ class Followers:
         name : str
             Name of the node.
         telemetry_end : int
-            Stamp of the newest telemetry sample that it took [ns].
+            Stamp of the newest telemetry sample that it has worked on [ns].
         acts_at : int
-            Time before which it will not act on the loop [ns].
+            Time before which it will not act on the loop, whatever it receives [ns].
 
         Returns
         -------
@@ -59,5 +70,13 @@ class Followers:
         return [
             name
             for name, telemetry_end in self._telemetry_end.items()
-            if telemetry_end < self._newest_telemetry or self._acts_at[name] <= time
+            if self._acts_at[name] <= time or telemetry_end < self._newest_telemetry - self._lead
+        ]
+
+    def behind(self) -> list[str]:
+        """Return the names of the nodes that have not yet worked on the newest telemetry."""
+        return [
+            name
+            for name, telemetry_end in self._telemetry_end.items()
+            if telemetry_end < self._newest_telemetry
         ]

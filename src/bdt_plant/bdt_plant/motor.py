@@ -30,6 +30,16 @@ class MotorParameters:
     back_emf_constant: float = quantity(
         0.1, "V s/rad", "back-EMF constant k_B", minimum=1e-9, maximum=1e6
     )
+    viscous_friction: float = quantity(
+        0.0, "N m s/rad", "friction torque per speed, not in the paper", minimum=0.0, maximum=1e3
+    )
+    coulomb_friction: float = quantity(
+        0.0,
+        "N m",
+        "friction torque of a turning motor, and the largest of a standing one; not in the paper",
+        minimum=0.0,
+        maximum=1e3,
+    )
 
     def __post_init__(self) -> None:
         validate(self)
@@ -55,7 +65,10 @@ class MotorStep(NamedTuple):
 
 
 def motor_state_space(motor: MotorParameters) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the continuous model behind eq. 2: L di/dt = u - R i - k_B w, J dw/dt = k_T i.
+    """Return the continuous model behind eq. 2: L di/dt = u - R i - k_B w, J dw/dt = k_T i - b w.
+
+    The viscous friction b is zero in the paper. Coulomb friction is not linear and not in here,
+    see :mod:`bdt_plant.friction`.
 
     Returns
     -------
@@ -67,7 +80,7 @@ def motor_state_space(motor: MotorParameters) -> tuple[NDArray[np.float64], NDAr
     a = np.array(
         [
             [-motor.resistance / motor.inductance, -motor.back_emf_constant / motor.inductance, 0],
-            [motor.torque_constant / motor.inertia, 0, 0],
+            [motor.torque_constant / motor.inertia, -motor.viscous_friction / motor.inertia, 0],
             [0, 1, 0],
         ],
         dtype=np.float64,
@@ -95,7 +108,7 @@ def discretize_motor(motor: MotorParameters, sample_time: float) -> MotorStep:
 
 
 def motor_step(state: MotorState, voltage: float, step: MotorStep) -> MotorState:
-    """Advance the motor by one sample with `voltage` [V] held (eq. 2)."""
+    """Advance the motor without Coulomb friction by one sample with `voltage` [V] held (eq. 2)."""
     current, speed, angle = state
     i_i, i_w, i_u = step.current
     w_i, w_w, w_u = step.speed

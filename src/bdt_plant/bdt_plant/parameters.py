@@ -1,10 +1,12 @@
 """Parameters of the plant node: which dataclass declares which names."""
 
+from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import Sampling
 from bdt_plant.plant_settings import PlantSettings
+from bdt_plant.sensor import SensorParameters
 from bdt_plant.structure import StructureParameters
 
 PARAMETERS = (
@@ -14,5 +16,7 @@ PARAMETERS = (
     ("lead_screw", LeadScrewParameters),
     ("structure", StructureParameters),
     ("gap", GapProfile),
+    ("actuator", ActuatorParameters),
+    ("sensor", SensorParameters),
 )
 """Prefix and dataclass, in the order in which the node declares them."""

@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from bdt_msgs_py.quantities import quantity, validate
+from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, saturated
+from bdt_plant.friction import FrictionStep, discretize_friction, frictional_motor_step
 from bdt_plant.gap_profile import GapProfile, gap_at
 from bdt_plant.lead_screw import LeadScrewParameters, contact_side, play
 from bdt_plant.motor import (
@@ -15,15 +16,15 @@ from bdt_plant.motor import (
     MotorState,
     MotorStep,
     discretize_motor,
-    motor_state_space,
     motor_step,
 )
+from bdt_plant.motor_path import ContactStep, add_motor_path, discretize_contact
+from bdt_plant.sensor import IDEAL_SENSOR, Sensor, SensorParameters
 from bdt_plant.structure import (
     StructureParameters,
     StructureState,
     StructureStep,
     discretize_structure,
-    structure_state_space,
     structure_step,
 )
 
@@ -63,21 +64,6 @@ class PlantModel:
     structure: StructureParameters = field(default_factory=StructureParameters)
 
 
-Column = tuple[float, float, float]
-
-
-class ContactStep(NamedTuple):
-    """What the motor's curved path adds to the structure while it drives the screw.
-
-    Each row multiplies (current, speed, voltage) at the beginning of the sample.
-    """
-
-    q2: Column
-    q2_velocity: Column
-    q3: Column
-    q3_velocity: Column
-
-
 class PlantStep(NamedTuple):
     """Discrete model of the plant for one sample time."""
 
@@ -85,6 +71,7 @@ class PlantStep(NamedTuple):
     structure: StructureStep
     contact: ContactStep
     pitch: float
+    friction: FrictionStep
 
 
 class PlantState(NamedTuple):
@@ -114,37 +101,14 @@ AT_REST = PlantState(MotorState(0.0, 0.0, 0.0), 0.0, 0, StructureState(0.0, 0.0,
 
 def discretize_plant(model: PlantModel, sample_time: float) -> PlantStep:
     """Return the exact discrete model of the plant for `sample_time` [s]."""
-    motor = discretize_motor(model.motor, sample_time)
-    structure = discretize_structure(model.structure, sample_time)
+    motor, structure, pitch = model.motor, model.structure, model.lead_screw.pitch
     return PlantStep(
-        motor,
-        structure,
-        _contact_step(model, sample_time, motor, structure),
-        model.lead_screw.pitch,
+        discretize_motor(motor, sample_time),
+        discretize_structure(structure, sample_time),
+        discretize_contact(motor, structure, pitch, sample_time),
+        pitch,
+        discretize_friction(motor, sample_time),
     )
-
-
-def _contact_step(
-    model: PlantModel, sample_time: float, motor: MotorStep, structure: StructureStep
-) -> ContactStep:
-    """Return the exact response to the motor's path less the one to the straight line.
-
-    In contact d follows theta_m, whose path within the sample is known from (current, speed,
-    voltage): one matrix exponential of motor and structure together gives the exact response.
-    """
-    a_motor, b_motor = motor_state_space(model.motor)
-    a_structure, b_structure = structure_state_space(model.structure)
-    joint = np.zeros((8, 8))
-    joint[:4, :4] = a_structure
-    # States 4 to 6 are current, speed and angle of the motor; d = p theta_m, d' = p omega_m.
-    joint[:4, 6] = model.lead_screw.pitch * b_structure[:, 0]
-    joint[:4, 5] = model.lead_screw.pitch * b_structure[:, 1]
-    joint[4:7, 4:7], joint[4:7, 7:] = a_motor, b_motor
-    exact = expm(joint * sample_time)[:4][:, [4, 5, 7]]
-    to_d_after = np.array([row[5] for row in structure])
-    straight = np.outer(to_d_after, model.lead_screw.pitch * np.array(motor.angle))
-    rows = (tuple(float(x) for x in row) for row in exact - straight)
-    return ContactStep(*rows)  # type: ignore[arg-type]
 
 
 def plant_step(state: PlantState, voltage: float, gap: float, step: PlantStep) -> PlantState:
@@ -161,45 +125,22 @@ def plant_step(state: PlantState, voltage: float, gap: float, step: PlantStep) -
     step : PlantStep
         From :func:`discretize_plant`.
     """
-    motor = motor_step(state.motor, voltage, step.motor)
+    # The driver moves the motor's way without friction: the model of the contact knows none.
+    driver, driver_voltage = state.motor, voltage
+    if step.friction.current > 0.0:
+        motor, driver, driver_voltage = frictional_motor_step(
+            state.motor, voltage, step.motor, step.friction
+        )
+    else:
+        motor = motor_step(state.motor, voltage, step.motor)
     theta_d = play(state.theta_d, motor.angle, gap)
     contact = contact_side(theta_d, motor.angle, gap)
     structure = structure_step(
         state.structure, step.pitch * state.theta_d, step.pitch * theta_d, step.structure
     )
     if contact != 0 and contact == state.contact:
-        structure = add_motor_path(structure, state.motor, voltage, step.contact)
+        structure = add_motor_path(structure, driver, driver_voltage, step.contact)
     return PlantState(motor, theta_d, contact, structure)
-
-
-def add_motor_path(
-    structure: StructureState, motor: MotorState, voltage: float, step: ContactStep
-) -> StructureState:
-    """Add to the structure what the motor's path differs from a straight line.
-
-    Parameters
-    ----------
-    structure : StructureState
-        State at the end of the sample for d linear in time.
-    motor : MotorState
-        Motor at the beginning of the sample.
-    voltage : float
-        Motor voltage u [V], held over the sample.
-    step : ContactStep
-        From :func:`discretize_plant`.
-    """
-    current, speed, _ = motor
-    q2, v2, q3, v3 = structure
-    a_i, a_w, a_u = step.q2
-    b_i, b_w, b_u = step.q2_velocity
-    c_i, c_w, c_u = step.q3
-    e_i, e_w, e_u = step.q3_velocity
-    return StructureState(
-        q2 + (a_i * current + a_w * speed + a_u * voltage),
-        v2 + (b_i * current + b_w * speed + b_u * voltage),
-        q3 + (c_i * current + c_w * speed + c_u * voltage),
-        v3 + (e_i * current + e_w * speed + e_u * voltage),
-    )
 
 
 class PlantSimulator:
@@ -213,15 +154,38 @@ class PlantSimulator:
         Growth of the gap.
     sampling : Sampling
         Rates.
+    sensor : SensorParameters
+        Sensor of platform 3.
+    actuator : ActuatorParameters
+        Amplifier of the motor.
+
+    Attributes
+    ----------
+    state : PlantState
+        True state.
+    sample : int
+        Number of samples advanced.
+    saturated_steps : int
+        Number of control periods in which the voltage was limited.
     """
 
-    def __init__(self, model: PlantModel, profile: GapProfile, sampling: Sampling) -> None:
+    def __init__(
+        self,
+        model: PlantModel,
+        profile: GapProfile,
+        sampling: Sampling,
+        sensor: SensorParameters = IDEAL_SENSOR,
+        actuator: ActuatorParameters = IDEAL_ACTUATOR,
+    ) -> None:
         self._profile = profile
         self._sampling = sampling
         self._step = discretize_plant(model, 1.0 / sampling.sampling_rate)
         # Without a gap the motor drives the screw from the very first sample.
         self.state = AT_REST._replace(contact=contact_side(0.0, 0.0, gap_at(profile, 0.0)))
-        self.sample = 0
+        self.sample = self.saturated_steps = 0
+        self._voltage_limit = actuator.limit
+        self._sensor = Sensor(sensor, sampling.sampling_rate)
+        self._reading = self._sensor.read(self.state.structure.q3)
 
     @property
     def time(self) -> float:
@@ -235,11 +199,16 @@ class PlantSimulator:
 
     @property
     def position(self) -> float:
-        """Position q3 of platform 3 [m]."""
-        return self.state.structure.q3
+        """Position q3 of platform 3 as the sensor reads it at this sample [m]."""
+        return self._reading
+
+    @property
+    def dropped_samples(self) -> int:
+        """Number of samples that the sensor dropped."""
+        return self._sensor.dropped
 
     def truth(self) -> tuple[float, float, float, float, float, float, float]:
-        """Return (t, theta_m, theta_d, gap, q1, q2, q3) now; see ``TRUTH_COLUMNS``."""
+        """Return the true (t, theta_m, theta_d, gap, q1, q2, q3) now; see ``TRUTH_COLUMNS``."""
         motor, theta_d, _, structure = self.state
         return (
             self.time,
@@ -252,13 +221,13 @@ class PlantSimulator:
         )
 
     def advance(self, voltage: float) -> NDArray[np.float64]:
-        """Advance to the next measurement with `voltage` [V] held.
+        """Advance to the next measurement with `voltage` [V] held, as far as the actuator can.
 
         Returns
         -------
         ndarray, shape (samples_per_control_step, 3)
             Telemetry rows (t [s], u [V], q3 [m]) of the samples passed, the first one being the
-            sample at which the voltage was applied.
+            sample at which the voltage was applied: the voltage as applied, q3 as read.
         """
         rate, state, step, profile = (
             self._sampling.sampling_rate,
@@ -266,10 +235,13 @@ class PlantSimulator:
             self._step,
             self._profile,
         )
+        applied = saturated(voltage, self._voltage_limit)
+        self.saturated_steps += applied != voltage
         rows = []
         for sample in range(self.sample, self.sample + self._sampling.samples_per_control_step):
-            rows.append((sample / rate, voltage, state.structure.q3))
-            state = plant_step(state, voltage, gap_at(profile, (sample + 1) / rate), step)
+            rows.append((sample / rate, applied, self._reading))
+            state = plant_step(state, applied, gap_at(profile, (sample + 1) / rate), step)
+            self._reading = self._sensor.read(state.structure.q3)
         self.state = state
         self.sample += len(rows)
         return np.array(rows)

@@ -57,12 +57,12 @@ class PlantNode(Node):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(PLANT_NODE, **node_arguments)
-        self._settings, self._sampling, motor, lead_screw, structure, profile = declare_all(
+        self._settings, self._sampling, *constants, profile, actuator, sensor = declare_all(
             self, PARAMETERS
         )
-        model = PlantModel(motor, lead_screw, structure)
+        model = PlantModel(*constants)
         self.finished: Future[None] = Future()
-        self._simulator = PlantSimulator(model, profile, self._sampling)
+        self._simulator = PlantSimulator(model, profile, self._sampling, sensor, actuator)
         self._followers = Followers(self._settings.lockstep_followers)
         duration = self._settings.duration
         samples = max(round(duration * self._sampling.sampling_rate), 1)
@@ -166,7 +166,7 @@ class PlantNode(Node):
     def _proceed(self) -> None:
         """Publish the next measurement, unless the end or a follower is in the way."""
         self._last_event = self._steady.now().nanoseconds
-        holding = self._followers.holding(self._simulator.nanoseconds)
+        holding = self._holding()
         if holding or self._control_step % self._clock_steps == 0:
             self._publish_clock()
         if holding or self.finished.done():
@@ -176,6 +176,12 @@ class PlantNode(Node):
             return
         self._waiting_for_command = True
         self._publish_measurement()
+
+    def _holding(self) -> list[str]:
+        """Return who is in the way: at the end everybody who has not seen all of the run."""
+        at_end = self._simulator.sample >= self._end
+        behind = self._followers.behind() if at_end else []
+        return behind or self._followers.holding(self._simulator.nanoseconds)
 
     def _watch_lockstep(self) -> None:
         """Begin, send again what may have been lost, give up when nobody answers any more."""
@@ -201,7 +207,7 @@ class PlantNode(Node):
             self._publish_measurement()
 
     def _awaited(self) -> str:
-        holding = self._followers.holding(self._simulator.nanoseconds)
+        holding = self._holding()
         return "progress of " + ", ".join(holding) if holding else f"a {COMMAND.name}"
 
     def _everybody_is_here(self) -> bool:
@@ -242,6 +248,8 @@ class PlantNode(Node):
             "rejected_commands": self._rejected_commands,
             "steps_without_fresh_command": self._stale_steps,
             "resent_measurements": self._resent,
+            "saturated_steps": self._simulator.saturated_steps,
+            "dropped_samples": self._simulator.dropped_samples,
         }
         return Health(well, "running" if well else "commands missing, late or not valid", values)
 

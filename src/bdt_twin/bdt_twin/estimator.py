@@ -13,14 +13,16 @@ class Estimate(NamedTuple):
     Attributes
     ----------
     time : float
-        Time for which the gap is stated: that of the newest sample taken into account [s].
+        Time for which the gap is stated [s], not after the newest sample; later it is expected to
+        be ``gap + growth * (t - time)``.
     gap : float
         Backlash gap theta_b [rad]; NaN as long as nothing was learned.
     uncertainty : float
         Standard uncertainty of the gap [rad]; infinite as long as nothing was learned, NaN from an
         estimator that does not know how sure it is.
-    growth : float
-        Growth rate of the gap [rad/s]; 0 from an estimator that does not look for it.
+    growth, growth_uncertainty : float
+        Growth rate of the gap from that time on and its standard uncertainty [rad/s]; 0 from an
+        estimator that does not look for it.
     gain_correction : float
         Factor by which the motor's gain differs from the model's [-].
     reversals : int
@@ -34,6 +36,7 @@ class Estimate(NamedTuple):
     gap: float
     uncertainty: float = math.nan
     growth: float = 0.0
+    growth_uncertainty: float = 0.0
     gain_correction: float = 1.0
     reversals: int = 0
     reason: str = ""
@@ -54,13 +57,16 @@ class Estimator(Protocol):
     def restart(self) -> None:
         """Forget everything: another run begins."""
 
-    def update(self, batch: NDArray[np.float64]) -> Estimate | None:
+    def update(self, batch: NDArray[np.float64], *, newest_only: bool = False) -> Estimate | None:
         """Take the next batch.
 
         Parameters
         ----------
         batch : ndarray, shape (n, 3)
             Telemetry rows (t [s], u [V], q3 [m]), oldest first.
+        newest_only : bool
+            Whether estimates that became due before the newest one may be left out, because
+            whoever asks is behind.
 
         Returns
         -------

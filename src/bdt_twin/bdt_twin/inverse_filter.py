@@ -11,6 +11,8 @@ from bdt_msgs_py.quantities import quantity, validate
 from bdt_plant.plant import PlantModel
 from bdt_twin.angle_observer import AngleObserver
 from bdt_twin.contact import NO_CONTACT, ContactSums, compiled_sums, contact_sums, gap_from_sums
+from bdt_twin.estimator import Estimate
+from bdt_twin.telemetry_stream import TelemetryStream
 
 STRETCH = 16_384
 """Samples worked on at a time: all arrays on the way then stay in the processor's cache."""
@@ -85,6 +87,9 @@ class GapEstimate(NamedTuple):
 class InverseFilterEstimator:
     """Streaming estimator: the same estimates for any split of the same data into batches.
 
+    It filters without end, so it starts anew after telemetry that does not continue what was
+    before. How sure it is it cannot tell, and it does not look for the growth of the gap.
+
     Parameters
     ----------
     model : PlantModel
@@ -107,6 +112,41 @@ class InverseFilterEstimator:
 
     def restart(self) -> None:
         """Forget all samples; the next one has the index zero."""
+        self._stream = TelemetryStream(self._settings.sampling_rate)
+        self._start()
+
+    def update(
+        self,
+        batch: NDArray[np.float64],
+        *,
+        newest_only: bool = False,  # noqa: ARG002
+    ) -> Estimate | None:
+        """Take the next batch; see :class:`bdt_twin.estimator.Estimator`.
+
+        Parameters
+        ----------
+        batch : ndarray, shape (n, 3)
+            Telemetry rows (t [s], u [V], q3 [m]).
+        newest_only : bool
+            Makes no difference: a filter has to see all samples.
+
+        Raises
+        ------
+        TelemetryRejectedError
+            For an empty batch, a value that is not finite, a hole, or time that goes back. The
+            next batch begins anew.
+        """
+        if self._stream.accept(batch):
+            self._start(float(batch[0, 0]))
+        estimates = self.estimates(batch[:, 1], batch[:, 2])
+        if not estimates:
+            return None
+        newest = estimates[-1]
+        time = self._first_time + newest.sample / self._settings.sampling_rate
+        return Estimate(time, newest.gap)
+
+    def _start(self, first_time: float = 0.0) -> None:
+        self._first_time = first_time
         self._observer.restart()
         self._window.clear()
         self._in_window = NO_CONTACT
@@ -115,10 +155,10 @@ class InverseFilterEstimator:
         self._next_sample = 0
         self._to_skip = self._observer.settling
 
-    def update(
+    def estimates(
         self, voltage: NDArray[np.float64], position: NDArray[np.float64]
     ) -> list[GapEstimate]:
-        """Take the next batch of samples.
+        """Take samples that continue those before and return every estimate that became due.
 
         Parameters
         ----------

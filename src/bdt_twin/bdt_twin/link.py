@@ -1,7 +1,94 @@
 """The slow link between the twin and the controller, in simulated time."""
 
 import heapq
+import itertools
+import math
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
+
+import numpy as np
+
+from bdt_msgs_py.quantities import quantity, validate
+
+DISTRIBUTIONS = ("fixed", "uniform", "log_normal", "table")
+
+LOOKAHEAD = 1000
+"""Messages to come that a promise takes into account."""
+
+
+@dataclass(frozen=True)
+class LinkSettings:
+    """How long a reconfiguration takes to the controller, and whether it gets there.
+
+    The paper has a fixed delay of 1 s.
+    """
+
+    communication_delay: float = quantity(
+        1.0,
+        "s",
+        "simulated time from the end of a telemetry batch to the controller's new dead zone; the "
+        "mean of uniform, the median of log_normal delays",
+        minimum=0.0,
+        maximum=1e4,
+    )
+    delay_distribution: str = quantity(
+        "fixed", "", "how the delay differs from message to message", choices=DISTRIBUTIONS
+    )
+    delay_spread: float = quantity(
+        0.0,
+        "",
+        "uniform: half the width as a fraction of the delay; log_normal: standard deviation of "
+        "the delay's logarithm",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    delay_table: tuple[float, ...] = quantity(
+        (1.0,), "s", "table: delays of the messages, over and over", minimum=0.0, maximum=1e4
+    )
+    request_loss: float = quantity(
+        0.0, "", "probability that a reconfiguration never arrives", minimum=0.0, maximum=1.0
+    )
+    link_seed: int = quantity(
+        1, "", "seed of random delays and losses", minimum=0, maximum=2**31 - 1
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if self.delay_distribution == "uniform" and self.delay_spread > 1.0:
+            raise ValueError(
+                f"LinkSettings.delay_spread = {self.delay_spread!r}: must be 0 to 1 for uniform "
+                "delays, which are not negative"
+            )
+        if not self.delay_table:
+            raise ValueError("LinkSettings.delay_table = []: must have at least one delay")
+
+
+PAPER_LINK = LinkSettings()
+"""A fixed delay of 1 s."""
+
+
+def delays(settings: LinkSettings) -> Iterator[float]:
+    """Iterate over the delays of the messages [s], the same ones for the same seed."""
+    generator = np.random.default_rng(settings.link_seed)
+    typical, spread = settings.communication_delay, settings.delay_spread
+    if settings.delay_distribution == "table":
+        yield from itertools.cycle(settings.delay_table)
+    while True:
+        if settings.delay_distribution == "uniform":
+            yield typical * (1.0 + spread * generator.uniform(-1.0, 1.0))
+        elif settings.delay_distribution == "log_normal":
+            yield typical * math.exp(spread * generator.standard_normal())
+        else:
+            yield typical
+
+
+def expected_delay(settings: LinkSettings) -> float:
+    """Return the delay that whoever sends has to reckon with [s]."""
+    if settings.delay_distribution == "table":
+        return sum(settings.delay_table) / len(settings.delay_table)
+    return settings.communication_delay
 
 
 class Reconfiguration(NamedTuple):
@@ -12,7 +99,7 @@ class Reconfiguration(NamedTuple):
     due : int
         Time at which it arrives [ns].
     estimated : int
-        Stamp of the estimate behind it [ns].
+        Stamp of the newest sample behind it [ns].
     tolerance : float
         Dead-zone tolerance epsilon_dz [m].
     """
@@ -23,22 +110,50 @@ class Reconfiguration(NamedTuple):
 
 
 class DelayedLink:
-    """Delivers reconfigurations a fixed time after they were sent, none after a newer one.
+    """Delivers reconfigurations some time after they were sent, none after a newer one.
 
     Parameters
     ----------
-    delay : float
-        Communication delay [s].
+    settings : LinkSettings
+        Delays and losses.
+
+    Attributes
+    ----------
+    lost : int
+        Number of reconfigurations that never arrive.
+    overtaken : int
+        Number of reconfigurations that arrived later than a newer one, and were dropped.
     """
 
-    def __init__(self, delay: float) -> None:
-        self._delay = round(delay * 1e9)
+    def __init__(self, settings: LinkSettings) -> None:
+        self._delays = delays(settings)
+        self._drawn: deque[int] = deque()
+        self._expected = expected_delay(settings)
+        self._loss = settings.request_loss
+        # Losses have draws of their own, so that they do not change the delays.
+        self._draws = np.random.default_rng((settings.link_seed, 1))
         self._pending: list[Reconfiguration] = []
         self._newest: int | None = None
+        self.lost = self.overtaken = 0
 
-    def send(self, now: int, estimated: int, tolerance: float) -> int:
-        """Send a tolerance at the time `now` [ns] and return when it arrives [ns]."""
-        due = now + self._delay
+    @property
+    def expected_delay(self) -> float:
+        """Delay that the sender has to reckon with [s]."""
+        return self._expected
+
+    def send(self, now: int, estimated: int, tolerance: float) -> int | None:
+        """Send a tolerance at the time `now` [ns].
+
+        Returns
+        -------
+        int or None
+            When it arrives [ns]; None if it gets lost.
+        """
+        due = now + self._delay_of(0)
+        self._drawn.popleft()
+        if self._loss and self._draws.random() < self._loss:
+            self.lost += 1
+            return None
         heapq.heappush(self._pending, Reconfiguration(due, estimated, tolerance))
         return due
 
@@ -52,13 +167,39 @@ class DelayedLink:
             arrived = heapq.heappop(self._pending)
             if self._newest is None or arrived.estimated > self._newest:
                 delivered, self._newest = arrived, arrived.estimated
+            else:
+                self.overtaken += 1
         return delivered
 
     def next_due(self) -> int | None:
         """Return when the next reconfiguration arrives [ns], or None."""
         return self._pending[0].due if self._pending else None
 
+    def earliest_arrival(self, end: int, batch: int) -> int:
+        """Return before when nothing can arrive that is learned from telemetry yet to come [ns].
+
+        Parameters
+        ----------
+        end : int
+            Stamp of the newest sample that has been worked on [ns].
+        batch : int
+            Duration of each batch to come [ns]; each one leads to one message at most.
+        """
+        best = self._delay_of(0) + batch
+        for number in range(1, LOOKAHEAD):
+            ended = (number + 1) * batch
+            if ended >= best:
+                break
+            best = min(best, ended + self._delay_of(number))
+        return end + min(best, LOOKAHEAD * batch)
+
     def drop(self) -> None:
         """Forget everything that is on its way and what was delivered."""
         self._pending.clear()
         self._newest = None
+
+    def _delay_of(self, number: int) -> int:
+        """Return the delay [ns] of a message to come, 0 being the next one."""
+        while len(self._drawn) <= number:
+            self._drawn.append(round(next(self._delays) * 1e9))
+        return self._drawn[number]

@@ -3,11 +3,17 @@
 from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.motor import MotorParameters
 from bdt_plant.structure import StructureParameters
+from bdt_twin.dead_zone_width import DeadZoneSettings
+from bdt_twin.estimator_choice import EstimatorChoice
 from bdt_twin.inverse_filter import InverseFilterSettings
+from bdt_twin.link import LinkSettings
 from bdt_twin.twin_settings import TwinSettings
 
 PARAMETERS = (
     ("", TwinSettings),
+    ("", LinkSettings),
+    ("dead_zone", DeadZoneSettings),
+    ("estimator", EstimatorChoice),
     ("estimator", InverseFilterSettings),
     ("motor", MotorParameters),
     ("lead_screw", LeadScrewParameters),

@@ -1,10 +1,10 @@
 """Digital twin as a ROS 2 node: telemetry in, gap estimate out, dead zone reconfigured."""
 
+import math
 import sys
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rcl_interfaces.srv import SetParameters
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -31,19 +31,21 @@ from bdt_msgs_py.topics import (
 )
 from bdt_msgs_py.writing import gap_estimate, progress
 from bdt_plant.plant import PlantModel
-from bdt_twin.dead_zone_width import tolerance_for_gap
-from bdt_twin.estimator import TelemetryRejectedError
-from bdt_twin.inverse_filter import InverseFilterEstimator
+from bdt_twin.dead_zone_width import DeadZoneRule
+from bdt_twin.estimation_thread import EstimationThread
+from bdt_twin.estimator import Estimate
+from bdt_twin.estimator_choice import create_estimator
 from bdt_twin.link import DelayedLink, Reconfiguration
 from bdt_twin.parameters import PARAMETERS
-from bdt_twin.telemetry_stream import TelemetryStream
+from bdt_twin.reconfiguration import Reconfigurator
 
 
 class TwinNode(Node):
     """Estimates the gap from telemetry and sets the controller's dead zone over a slow link.
 
-    Nothing here waits inside a callback: a reconfiguration that is on its way is a timer on
-    simulated time, one that is being answered is a future with a timeout on the wall clock.
+    Nothing here waits inside a callback: the estimator works in a thread of its own, a
+    reconfiguration that is on its way is a timer on simulated time, one that is being answered is
+    a future with a timeout on the wall clock.
 
     Parameters
     ----------
@@ -58,21 +60,25 @@ class TwinNode(Node):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(TWIN_NODE, **node_arguments)
-        self._settings, settings, *model = declare_all(self, PARAMETERS)
-        self._model = PlantModel(*model)
-        self._sampling_rate = settings.sampling_rate
-        self._stream = TelemetryStream(settings.sampling_rate)
+        self._settings, link, dead_zone, self._choice, inverse_filter, *parts = declare_all(
+            self, PARAMETERS
+        )
+        model = PlantModel(*parts)
+        self._sampling_rate: float = inverse_filter.sampling_rate
         with gone_if_refused(self):
             try:
-                self._estimator = InverseFilterEstimator(self._model, settings)
+                estimator = create_estimator(self._choice, model, inverse_filter)
             except ValueError as error:
                 raise ConfigurationError(f"parameter {error}") from error
-        self._link = DelayedLink(self._settings.communication_delay)
-        self._stream_start = 0
-        self._telemetry_end = 0
-        self._gap: float | None = None
-        self._malformed = self._estimates = self._reconfigurations = self._failures = 0
-        self._reported_troubles = 0
+        self._link = DelayedLink(link)
+        self._reconfigurator = Reconfigurator(
+            DeadZoneRule(dead_zone, model.lead_screw.pitch), self._link
+        )
+        self._received = self._telemetry_end = self._batch_samples = 0
+        self._estimate: Estimate | None = None
+        self._window_time = 0.0
+        self._accepted = self._rejected = self._estimates = 0
+        self._reconfigurations = self._failures = self._reported_troubles = 0
 
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._arrival_timer: Timer | None = None
@@ -86,11 +92,20 @@ class TwinNode(Node):
         self._progress_publisher = self.create_publisher(
             TimeReference, PROGRESS.name, qos_profile(PROGRESS)
         )
+        estimated = self.create_guard_condition(self._take_outcomes)
+        self._estimation = EstimationThread(estimator, estimated.trigger)
         self.create_subscription(
             Float64MultiArray, TELEMETRY.name, self._take_telemetry, qos_profile(TELEMETRY)
         )
         self.create_timer(PROGRESS_PERIOD, self._tell_progress, clock=self._steady)
         self._diagnostics = DiagnosticsPublisher(self, self._health)
+
+    def destroy_node(self) -> None:
+        """End the estimation and destroy the node."""
+        # Missing when the parameters were refused.
+        if estimation := getattr(self, "_estimation", None):
+            estimation.close()
+        super().destroy_node()
 
     # Telemetry -----------------------------------------------------------------------------
 
@@ -98,38 +113,48 @@ class TwinNode(Node):
         try:
             rows = read_samples(message, TELEMETRY_COLUMNS)
         except ValueError as error:
-            self._malformed += 1
-            self._warn(f"rejected telemetry: {error}")
+            self._reject(str(error))
             return
-        try:
-            if self._stream.accept(rows):
-                self._begin_stream(rows)
-            self._use(rows)
-        except TelemetryRejectedError as error:
-            self._warn(f"rejected telemetry: {error}; the estimator restarts with the next batch")
-        if len(rows) and np.isfinite(rows[-1, 0]):
-            self._telemetry_end = nanoseconds_from_seconds(rows[-1, 0])
-        self._tell_progress()
+        if not len(rows):
+            self._reject("the batch is empty")
+            return
+        if np.isfinite(rows[-1, 0]):
+            self._received = nanoseconds_from_seconds(rows[-1, 0])
+        self._estimation.put(rows)
 
-    def _begin_stream(self, rows: NDArray[np.float64]) -> None:
-        self._estimator.restart()
-        self._link.drop()
-        self._stream_start = nanoseconds_from_seconds(rows[0, 0])
-        if self._stream.restarts:
-            self.get_logger().warning(f"the estimator restarted at t = {rows[0, 0]:.3f} s")
+    def _reject(self, reason: str) -> None:
+        self._rejected += 1
+        self._warn(f"rejected telemetry: {reason}")
 
-    def _use(self, rows: NDArray[np.float64]) -> None:
-        estimates = self._estimator.update(rows[:, 1], rows[:, 2])
-        for estimate in estimates:
-            stamp = self._stream_start + round(estimate.sample * 1e9 / self._sampling_rate)
-            self._estimate_publisher.publish(gap_estimate(stamp, estimate.gap))
-        self._estimates += len(estimates)
-        if estimates:
-            self._gap = estimates[-1].gap
-            if self._settings.reconfigure:
-                tolerance = tolerance_for_gap(self._gap, self._model.lead_screw.pitch)
-                self._link.send(nanoseconds_from_seconds(rows[-1, 0]), stamp, tolerance)
-                self._deliver()
+    def _take_outcomes(self) -> None:
+        """Use what the estimation found since the last time."""
+        for outcome in self._estimation.outcomes():
+            if outcome.fault:
+                self._reject(outcome.fault)
+            else:
+                self._accepted += 1
+            if outcome.begins:
+                self._reconfigurator.restart()
+                self._estimate = None
+            self._window_time = outcome.seconds
+            if math.isfinite(outcome.newest):
+                self._telemetry_end = nanoseconds_from_seconds(outcome.newest)
+                self._batch_samples = outcome.samples
+            if outcome.estimate is not None:
+                self._use(outcome.estimate)
+            self._tell_progress()
+
+    def _use(self, estimate: Estimate) -> None:
+        self._estimates += 1
+        self._estimate = estimate
+        if estimate.is_known:
+            stamp = nanoseconds_from_seconds(estimate.time)
+            self._estimate_publisher.publish(
+                gap_estimate(stamp, estimate.gap, estimate.uncertainty, estimate.growth)
+            )
+        if self._settings.reconfigure:
+            self._reconfigurator.send(estimate, self._telemetry_end)
+            self._deliver()
 
     # Reconfiguration -----------------------------------------------------------------------
 
@@ -138,7 +163,7 @@ class TwinNode(Node):
         if self._in_flight is not None:
             return
         now = self.get_clock().now().nanoseconds
-        self._in_flight = self._link.deliver(now)
+        self._in_flight = self._reconfigurator.deliver(now)
         if self._in_flight is not None:
             value = self._in_flight.tolerance
             request = Parameter(DEAD_ZONE_PARAMETER, Parameter.Type.DOUBLE, value)
@@ -149,7 +174,7 @@ class TwinNode(Node):
             )
             return
         self._arrival_timer = self._destroyed(self._arrival_timer)
-        due = self._link.next_due()
+        due = self._reconfigurator.next_due()
         if due is not None:
             self._arrival_timer = self.create_timer((due - now) * 1e-9, self._deliver)
 
@@ -187,8 +212,24 @@ class TwinNode(Node):
         return None
 
     def _tell_progress(self) -> None:
-        acts_at = self._in_flight.due if self._in_flight is not None else self._link.next_due()
+        known = (
+            self._in_flight.due if self._in_flight is not None else self._reconfigurator.next_due()
+        )
+        promises = [time for time in (known, self._next_action()) if time is not None]
+        acts_at = min(promises, default=None)
         self._progress_publisher.publish(progress(self.get_name(), self._telemetry_end, acts_at))
+
+    def _next_action(self) -> int | None:
+        """Return the earliest time [ns] at which telemetry yet to come can make the twin act.
+
+        The next batch is as long as the last one, and it is published one sample after its
+        newest sample.
+        """
+        if not (self._settings.reconfigure and self._batch_samples):
+            return None
+        batch = round(self._batch_samples * 1e9 / self._sampling_rate)
+        published = self._telemetry_end + batch + round(1e9 / self._sampling_rate)
+        return max(self._reconfigurator.earliest_action(self._telemetry_end, batch), published)
 
     # Diagnostics ---------------------------------------------------------------------------
 
@@ -196,19 +237,37 @@ class TwinNode(Node):
         self.get_logger().warning(text, throttle_duration_sec=1.0)
 
     def _health(self) -> Health:
-        troubles = self._malformed + self._stream.rejected + self._failures
+        troubles = self._rejected + self._failures
         well = troubles == self._reported_troubles
         self._reported_troubles = troubles
         values = {
-            "gap_estimate_rad": self._gap,
+            "estimator": self._choice.kind,
             "estimates": self._estimates,
-            "telemetry_accepted": self._stream.accepted,
-            "telemetry_rejected": self._stream.rejected + self._malformed,
-            "estimator_restarts": self._stream.restarts,
+            **_described(self._estimate),
+            "telemetry_accepted": self._accepted,
+            "telemetry_rejected": self._rejected,
+            "telemetry_lag_s": (self._received - self._telemetry_end) * 1e-9,
+            "window_time_s": self._window_time,
             "reconfigurations": self._reconfigurations,
             "failed_reconfigurations": self._failures,
+            "lost_reconfigurations": self._link.lost,
+            "overtaken_reconfigurations": self._link.overtaken,
         }
         return Health(well, "estimating" if well else "telemetry or reconfiguration failed", values)
+
+
+def _described(estimate: Estimate | None) -> dict[str, float | int | str | None]:
+    """Return what the diagnostics say of an estimate."""
+    if estimate is None:
+        return {"gap_estimate_rad": None}
+    return {
+        "gap_estimate_rad": estimate.gap,
+        "gap_uncertainty_rad": estimate.uncertainty,
+        "gap_growth_rad_per_s": estimate.growth,
+        "gain_correction": estimate.gain_correction,
+        "reversals": estimate.reversals,
+        "nothing_learned_because": estimate.reason,
+    }
 
 
 def main(args: list[str] | None = None) -> None:

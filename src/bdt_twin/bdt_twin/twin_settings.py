@@ -1,4 +1,4 @@
-"""Settings of the twin node that are about its link to the controller."""
+"""Settings of the twin node that are about the controller."""
 
 from dataclasses import dataclass
 
@@ -11,13 +11,6 @@ class TwinSettings:
     """What the twin does with its estimates."""
 
     reconfigure: bool = quantity(True, "", "set the controller's dead zone; false to estimate only")
-    communication_delay: float = quantity(
-        1.0,
-        "s",
-        "simulated time from the end of a telemetry batch to the controller's new dead zone",
-        minimum=0.0,
-        maximum=1e4,
-    )
     controller_node: str = quantity(CONTROLLER_NODE, "", "name of the node whose dead zone is set")
     service_timeout: float = quantity(
         2.0,

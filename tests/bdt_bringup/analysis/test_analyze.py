@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -10,7 +11,7 @@ import pytest
 
 from bdt_bringup.analysis.analyze import analyze
 from bdt_bringup.analysis.report import verdict
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
 from bdt_msgs_py.topics import REFERENCE, TRUTH
 
 STEP_KEYS = {
@@ -21,6 +22,8 @@ STEP_KEYS = {
     "bias_percent_of_amplitude",
     "settling_time_s",
     "limit_cycle",
+    "limit_cycle_amplitude_m",
+    "limit_cycle_frequency_hz",
 }
 
 
@@ -47,6 +50,10 @@ def test_summary_file_has_the_agreed_fields(analyzed):
         "dead_zone_final_m",
         "messages",
         "lost_messages",
+        "missing_samples",
+        "missing",
+        "timing",
+        "reconfiguration_delay",
     }
     assert set(written["estimate"]) == {"rms_error_rad", "max_error_rad", "worst_lag_s"}
     assert all(set(step) == STEP_KEYS for step in written["steps"])
@@ -80,7 +87,7 @@ def test_linear_loop_has_limit_cycles(linear_bag):
 def test_report_is_one_file(analyzed):
     _, output = analyzed
     report = (output / "report.html").read_text(encoding="utf-8")
-    assert len(report) < 2_000_000
+    assert len(report) < 5_000_000
     assert report.count("<svg") == report.count("</svg>") == 2
     assert not re.search(r'(?:src|href)="(?!#)', report)
     assert "http://" not in report.replace("http://www.w3.org/", "")
@@ -90,6 +97,16 @@ def test_report_is_one_file(analyzed):
     identifiers = re.findall(r'\bid="([^"]+)"', report)
     assert len(identifiers) == len(set(identifiers))
     assert (output / "figure.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_without_plotly_the_report_has_its_pictures_and_tables(small_loop, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "plotly.offline", None)
+    analyze(small_loop.write(tmp_path / "bag"), tmp_path / "out")
+    report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "need the Python package plotly" in report
+    assert 'id="signals"' not in report
+    assert "<svg" in report
+    assert '<table id="steps">' in report
 
 
 def test_same_bag_gives_the_same_files(analyzed, following_bag, tmp_path):
@@ -106,7 +123,7 @@ def test_names_are_escaped(small_loop, tmp_path):
     messages.items.append(("/<script>x", *small_loop.items[1][1:]))
     analyze(messages.write(tmp_path / "<b>bag"), tmp_path / "out")
     report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "<script" not in report
+    assert "<script>x" not in report
     assert "<b>bag" not in report
 
 

@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from bdt_bringup.analysis.oscillation import find_oscillation, turning_points
+from bdt_bringup.analysis.oscillation import (
+    find_oscillation,
+    oscillation_frequency,
+    turning_points,
+)
 
 RATE = 5000.0
 TIME = np.arange(round(3.0 * RATE)) / RATE
@@ -106,3 +110,25 @@ def test_turning_points():
     signal = np.array([0.0, 1.0, 0.9, 2.0, 0.0, 0.1, 0.05, 3.0, 2.9])
     assert turning_points(signal, 0.5) == [0, 3, 4, 7]
     assert turning_points(np.zeros(5), 0.5) == []
+
+
+@pytest.mark.parametrize("frequency", [0.8, 1.43, 3.7, 10.0])
+@pytest.mark.parametrize("drift", [0.0, 0.3])
+def test_frequency_of_a_sine(frequency: float, drift: float):
+    signal = np.sin(2 * np.pi * frequency * TIME + 0.4) + drift * TIME
+    assert oscillation_frequency(signal, 1 / RATE) == pytest.approx(frequency, rel=0.03)
+
+
+@pytest.mark.parametrize("period", [0.5, 0.7, 1.0])
+def test_frequency_of_a_stick_slip_is_that_of_the_cycle_and_not_of_the_ringing(period: float):
+    cycle = (TIME / period) % 1.0
+    since = (cycle % 0.5) * period
+    side = np.where(cycle < 0.5, 1.0, -1.0)
+    signal = side * (1.0 - 0.3 * np.exp(-1.35 * since) * np.cos(STRUCTURE * since))
+    assert oscillation_frequency(signal, 1 / RATE) == pytest.approx(1 / period, rel=0.05)
+
+
+def test_what_does_not_oscillate_has_no_frequency():
+    assert oscillation_frequency(np.zeros_like(TIME), 1 / RATE) is None
+    assert oscillation_frequency(TIME, 1 / RATE) is None
+    assert oscillation_frequency(np.sin(TIME), 1 / RATE) is None

@@ -1,13 +1,12 @@
 """Bags of all kinds, and one clear line for what is none."""
 
-import random
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
+from bdt_bringup.bags import bag_reader
 from bdt_bringup.bags.bag_reader import BagError, read_bag
 from bdt_bringup.bags.recording import load_recording
 from bdt_msgs_py.topics import (
@@ -83,10 +82,9 @@ def test_metadata_of_another_version(small_loop, tmp_path):
         read_bag(path)
 
 
-@pytest.mark.parametrize("topic", [TELEMETRY, REFERENCE])
-def test_required_topics(small_loop, tmp_path, topic):
-    path = small_loop.without(topic).write(tmp_path / "bag")
-    with pytest.raises(BagError, match=f"lacks topic {topic.name} .*it has /"):
+def test_telemetry_or_measurement_is_required(small_loop, tmp_path):
+    path = small_loop.without(TELEMETRY, MEASUREMENT, TRUTH, REFERENCE).write(tmp_path / "bag")
+    with pytest.raises(BagError, match=r"lacks topic telemetry \(.*\) or measurement \("):
         read_bag(path)
 
 
@@ -102,7 +100,10 @@ def test_topic_of_two_loops(small_loop, tmp_path):
     messages = small_loop.without()
     other = next(item for item in small_loop.items if item[0] == "/telemetry")
     messages.items.append(("/other/telemetry", *other[1:]))
-    with pytest.raises(BagError, match="/other/telemetry and /telemetry could both"):
+    with pytest.raises(
+        BagError,
+        match=r"holds 2 loops, in the namespaces / and /other: choose one with --namespace NAME",
+    ):
         read_bag(messages.write(tmp_path / "bag"))
 
 
@@ -127,45 +128,28 @@ def test_optional_topics_may_be_missing(small_loop, tmp_path):
     assert set(read_bag(bare.write(tmp_path / "bag")).topics) >= {TELEMETRY, REFERENCE}
 
 
-@pytest.mark.parametrize("storage", list(StoragePlugin))
-def test_damaged_bags_give_one_line_or_a_recording(small_loop, tmp_path, storage):
-    """Seeded fuzz: truncation, flipped bits and overwritten stretches anywhere in the bag."""
-    random_source = random.Random(7)  # noqa: S311 - a seed makes it repeatable
-    good = small_loop.write(tmp_path / "good", storage=storage)
-    names = [x.name for x in good.iterdir()]
-    reasons = []
-    for case in range(120):
-        bad = tmp_path / f"bad{case}"
-        shutil.copytree(good, bad)
-        file = bad / random_source.choice(names)
-        file.write_bytes(_damaged(file.read_bytes(), random_source))
-        try:
-            load_recording(bad)
-        except BagError as error:
-            reasons.append(str(error))
-        shutil.rmtree(bad)
-    assert len(reasons) > 20
-    assert all("\n" not in reason and str(tmp_path / "bad") in reason for reason in reasons)
-
-
-def _damaged(data: bytes, random_source: random.Random) -> bytes:
-    content = bytearray(data)
-    place = random_source.randrange(len(content))
-    kind = random_source.choice(["cut", "flip", "overwrite"])
-    if kind == "cut":
-        return bytes(content[:place])
-    if kind == "flip":
-        content[place] ^= 1 << random_source.randrange(8)
-    else:
-        content[place : place + 50] = random_source.randbytes(50)
-    return bytes(content)
-
-
 def test_damaged_message(small_loop, tmp_path):
     messages = small_loop.without()
     messages.add(TRUTH, 1.0, b"\x00\x01\x00\x00\x01")
     with pytest.raises(BagError, match=r"message \d+ of /truth is damaged"):
         load_recording(messages.write(tmp_path / "bag"))
+
+
+@pytest.mark.parametrize(
+    ("compression", "reason"),
+    [
+        (CompressionMode.NONE, "holds more data than a bag of its size may"),
+        (CompressionMode.MESSAGE, r"message \d of /telemetry: zstd data expands to more than"),
+    ],
+)
+def test_messages_that_together_are_too_large(
+    small_loop, tmp_path, monkeypatch, compression, reason
+):
+    """Each of them may be allowed by itself."""
+    path = small_loop.write(tmp_path / "bag", compression=compression)
+    monkeypatch.setattr(bag_reader, "allowed_size", lambda _: 20_000)
+    with pytest.raises(BagError, match=reason):
+        read_bag(path)
 
 
 def test_errors_are_value_errors(tmp_path: Path):

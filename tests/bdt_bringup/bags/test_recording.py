@@ -1,5 +1,7 @@
 """What a recording says, whatever its clocks, topics and gaps."""
 
+from time import process_time
+
 import numpy as np
 import pytest
 
@@ -34,7 +36,7 @@ def test_loop(following_bag):
     assert recording.reference.tolist() == [[0, 5e-3], [5, 0], [10, 5e-3], [15, 0]]
     assert recording.reconfigurations == len(recording.dead_zones) - 1 > 50
     assert recording.dead_zones[0].tolist() == [0.0, 0.0]
-    assert recording.measurement_stamps == pytest.approx(np.arange(10_000) / 500)
+    assert recording.measurements.stamps == pytest.approx(np.arange(10_000) / 500)
     assert recording.pitch == LeadScrewParameters().pitch
     assert lost_messages(recording) == 0
 
@@ -62,8 +64,12 @@ def test_recorded_topics_without_messages(signal, tmp_path):
     recording = load_recording(path)
     assert recording.truth is None
     assert recording.message_counts["/truth"] == 0
-    with pytest.raises(BagError, match="/reference has no messages"):
-        load_recording(signal.without(REFERENCE).write(tmp_path / "b", empty=(REFERENCE,)))
+    assert "no truth: error of the estimate unknown" in recording.missing
+    unset = load_recording(signal.without(REFERENCE).write(tmp_path / "b", empty=(REFERENCE,)))
+    assert unset.reference.shape == (0, 2)
+    nothing = signal.without(TELEMETRY).write(tmp_path / "c", empty=(TELEMETRY, MEASUREMENT))
+    with pytest.raises(BagError, match="/measurement and /telemetry have no messages"):
+        load_recording(nothing)
 
 
 def test_wall_clock_telemetry(signal_messages, tmp_path):
@@ -89,6 +95,16 @@ def test_reference_without_stamps(signal, tmp_path):
     signal.reference(0.0, 2.0, received=5.0)
     reference = load_recording(signal.write(tmp_path / "bag")).reference
     assert reference[1] == pytest.approx([5.0, 2.0], abs=1.0)
+
+
+def test_uncertainties_of_those_estimates_that_state_one(signal, tmp_path):
+    signal.estimate(1.0, 0.1)
+    signal.estimate(2.0, 0.2, 0.01)
+    signal.estimate(3.0, 0.3, np.nan)
+    recording = load_recording(signal.write(tmp_path / "bag"))
+    assert recording.estimates[:, 1].tolist() == [0.1, 0.2, 0.3]
+    assert recording.uncertainties[:, 1].tolist() == [0.01]
+    assert recording.uncertainties[0, 0] == recording.estimates[1, 0]
 
 
 def test_first_dead_zone_from_diagnostics(signal, tmp_path):
@@ -133,7 +149,7 @@ def test_joint_of_the_reference(signal, tmp_path):
 def test_two_runs_in_one_bag(signal, signal_messages, tmp_path):
     other = signal_messages(TIME, np.cos(TIME), [(0.0, 1.0)])
     signal.items.extend((name, type_, t + 20, m) for name, type_, t, m in other.items)
-    with pytest.raises(BagError, match="two different samples for t = 0 s: must hold one run"):
+    with pytest.raises(BagError, match="two different samples for t = 0 s, as if time began"):
         load_recording(signal.write(tmp_path / "bag"))
 
 
@@ -189,3 +205,14 @@ def test_missing_batches():
     assert missing_batches(np.delete(times, slice(200, 400)), 100, 0.0, 10.0) == 2
     assert missing_batches(times[100:], 100, 0.0, np.nan) == 1
     assert missing_batches(times[100:], 100, np.nan, np.nan) == 0
+
+
+def test_two_minutes_of_telemetry_load_within_a_second(signal_messages, tmp_path):
+    """600 000 rows in batches of 0.1 s; processor time, because a busy machine tests nothing."""
+    time = np.arange(600_000) / 5000
+    messages = signal_messages(time, np.sin(time), [(0.0, 1.0)], batch=500)
+    path = messages.write(tmp_path / "bag")
+    begin = process_time()
+    recording = load_recording(path)
+    assert process_time() - begin < 1.0
+    np.testing.assert_array_equal(recording.telemetry[:, 2], np.sin(time))

@@ -14,6 +14,7 @@ from bdt_bringup.reproduction.experiments import (
     reconfigured_experiment,
 )
 from bdt_plant.gap_profile import GapProfile
+from bdt_twin.link import LinkSettings
 
 SHORT = replace(Choices(), duration=20.0)
 PITCH = 1e-3 / (2 * math.pi)
@@ -46,7 +47,7 @@ def test_a_run_says_what_a_recording_would(runs):
 
 
 def test_the_dead_zone_of_the_twin_follows_eq_9_and_the_delay():
-    run = reconfigured_experiment(SHORT, 1.0)
+    run = reconfigured_experiment(SHORT, LinkSettings(communication_delay=1.0))
     estimates, dead_zones = run.signals.estimates, run.signals.dead_zones
     assert dead_zones[0].tolist() == [0.0, 0.0]
     assert np.isin(dead_zones[1:, 1], PITCH * estimates[:, 1]).all()

@@ -1,5 +1,6 @@
 """Parameter files are checked as a whole before anything starts."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,8 @@ from bdt_bringup.running.configuration import (
     known_parameters,
     load_configuration,
 )
+from bdt_plant.actuator import ActuatorParameters
+from bdt_plant.sensor import SensorParameters
 
 CONFIG = Path(__file__).parents[3] / "config"
 
@@ -27,7 +30,7 @@ def parameters(node, text):
     return f"{node}:\n  ros__parameters:\n    {text}\n"
 
 
-@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone"])
+@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone", "laboratory"])
 def test_the_shipped_configurations_are_valid(name):
     configuration = load_configuration(CONFIG / f"{name}.yaml")
     assert configuration.name == name
@@ -45,6 +48,39 @@ def test_the_configurations_differ_in_the_dead_zone_and_in_reconfiguration_alone
     assert linear.value("controller", "dead_zone_tolerance") == 0.0
     # 10 degrees of a screw with 1 mm travel per turn.
     assert fixed.value("controller", "dead_zone_tolerance") == pytest.approx(1e-3 * 10 / 360)
+
+
+def test_the_laboratory_is_the_paper_s_scenario_with_imperfect_hardware():
+    paper, laboratory = (
+        load_configuration(CONFIG / f"{name}.yaml") for name in ("paper", "laboratory")
+    )
+    differs = {
+        (node, name): laboratory.value(node, name)
+        for node in NODES
+        for name in known_parameters(node)
+        if laboratory.value(node, name) != paper.value(node, name)
+    }
+    assert differs == {
+        ("plant", "sensor.noise"): 1e-6,
+        ("plant", "sensor.quantization"): 1e-7,
+        ("plant", "actuator.saturation"): True,
+        ("plant", "actuator.voltage_limit"): 24.0,
+        ("plant", "motor.back_emf_constant"): pytest.approx(1.05 * 0.1),
+        ("plant", "structure.mass"): pytest.approx(1.02 * 5.2),
+        ("plant", "structure.stiffness"): pytest.approx(0.98 * 1e4),
+        ("controller", "voltage_limit"): 24.0,
+    }
+
+
+@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone"])
+def test_the_paper_s_hardware_is_perfect(name):
+    configuration = load_configuration(CONFIG / f"{name}.yaml")
+    for node in NODES:
+        for parameter in known_parameters(node):
+            if parameter.startswith(("sensor.", "actuator.", "motor.", "structure.")):
+                assert parameter not in configuration.values[node]
+    assert SensorParameters().is_ideal
+    assert ActuatorParameters().limit == math.inf
 
 
 def test_without_a_file_everything_has_its_default():

@@ -1,6 +1,7 @@
 """The compiled loop against the plain Python loop of the same cores, bit for bit."""
 
 import dataclasses
+import itertools
 from pathlib import Path
 
 import numba
@@ -13,6 +14,7 @@ from bdt_bringup.simulation import loop_kernel
 from bdt_bringup.simulation.closed_loop import (
     SIGNALS,
     Scenario,
+    initial_state,
     loop_step,
     sample_inputs,
     simulate,
@@ -26,29 +28,54 @@ from bdt_bringup.simulation.loop_kernel import (
     run_kernel,
 )
 from bdt_controller.controller import ControllerSettings, DeadZoneController
-from bdt_controller.dead_zone import dead_zone_pid_step
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import Reference, reference_at
+from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile, gap_at
-from bdt_plant.plant import PlantSimulator, Sampling, plant_step
+from bdt_plant.motor import MotorParameters
+from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.sensor import SensorParameters
 
 REFERENCE = Reference(step_time=2.0)
 GROWING = GapProfile(growth_time=8.0)
 
+COLUMNS = (
+    *("t", "r", "u", "current", "omega_m", "theta_m", "theta_d"),
+    *("q1", "q2", "q3", "measured"),
+)
+"""Signals in the order of :func:`python_loop`."""
+
+LABORATORY = Scenario(
+    4.0,
+    REFERENCE,
+    GROWING,
+    2.8e-5,
+    PlantModel(MotorParameters(coulomb_friction=0.02, viscous_friction=1e-4)),
+    sensor=SensorParameters(1e-6, 1e-7, 1e-3, 0.1, 3),
+    actuator=ActuatorParameters(saturation=True, voltage_limit=8.0),
+    voltage_limit=9.0,
+)
+"""Every imperfection that there is, and a controller that believes in a stronger amplifier."""
+
 
 def python_loop(scenario, dead_zones):
-    """Return rows (t, r, u, i, w_m, theta_m, theta_d, q1, q2, q3), state only at measurements."""
-    plant = PlantSimulator(scenario.model, scenario.gap, scenario.sampling)
-    rate = scenario.sampling.control_rate
+    """Return rows (t, r, u, i, w_m, theta_m, theta_d, q1, q2, q3, reading).
+
+    The state is that of the last measurement.
+    """
+    plant = PlantSimulator(
+        scenario.model, scenario.gap, scenario.sampling, scenario.sensor, scenario.actuator
+    )
+    rate, limit = scenario.sampling.control_rate, scenario.voltage_limit
     controller = DeadZoneController(scenario.gains, ControllerSettings(control_rate=rate))
     rows = []
     for tolerance in dead_zones:
-        controller.configure(scenario.gains, ControllerSettings(rate, float(tolerance)))
+        controller.configure(scenario.gains, ControllerSettings(rate, float(tolerance), limit))
         r = reference_at(scenario.reference, plant.time)
         t, theta_m, theta_d, _, *q = plant.truth()
         motor = plant.state.motor
-        for time, u, q3 in plant.advance(controller.step(r, plant.position)):
-            row = (r, u, motor.current, motor.speed, theta_m, theta_d, q[0], q[1], q3)
+        for time, u, reading in plant.advance(controller.step(r, plant.position)):
+            row = (r, u, motor.current, motor.speed, theta_m, theta_d, *q, reading)
             rows.append((time, *row))
         assert rows[-scenario.sampling.samples_per_control_step][0] == t
     return np.array(rows)
@@ -66,10 +93,52 @@ def test_every_signal_is_that_of_the_python_loop_bit_for_bit(gap, dead_zone):
     scenario = Scenario(3.0, REFERENCE, gap, dead_zone, sampling=sampling)
     trajectory = simulate(scenario)
     expected = python_loop(scenario, [dead_zone] * scenario.control_steps)
-    names = ("t", "r", "u", "current", "omega_m", "theta_m", "theta_d", "q1", "q2", "q3")
-    for name, column in zip(names, expected.T, strict=True):
+    for name, column in zip(COLUMNS, expected.T, strict=True):
         assert_same_bits(getattr(trajectory, name), column)
     assert_same_bits(trajectory.d, trajectory.q1)
+
+
+@pytest.mark.parametrize("control_rate", [5000.0, 500.0])
+def test_an_imperfect_loop_is_that_of_the_python_loop_bit_for_bit(control_rate):
+    scenario = dataclasses.replace(LABORATORY, sampling=Sampling(control_rate=control_rate))
+    trajectory = simulate(scenario)
+    expected = python_loop(scenario, [2.8e-5] * scenario.control_steps)
+    # Between two measurements the Python loop does not show the state.
+    names = COLUMNS if control_rate == 5000.0 else ("t", "r", "u", "measured")
+    for name in names:
+        assert_same_bits(getattr(trajectory, name), expected[:, COLUMNS.index(name)])
+    assert np.abs(trajectory.u).max() == 8.0
+    assert np.abs(trajectory.measured - trajectory.q3).max() > 3e-6
+
+
+def test_the_ideal_sensor_measures_the_position():
+    trajectory = simulate(Scenario(1.0, REFERENCE, GROWING))
+    assert_same_bits(trajectory.measured, trajectory.q3)
+
+
+@settings(max_examples=25)
+@given(st.data())
+def test_an_imperfect_loop_that_stops_and_goes_on_is_one_loop(data):
+    inputs, step = sample_inputs(LABORATORY), loop_step(LABORATORY)
+    steps = LABORATORY.control_steps
+    stops = data.draw(st.lists(st.integers(1, steps - 1), max_size=5, unique=True))
+    edges = [0, *sorted(stops), steps]
+    state, parts = initial_state(LABORATORY, inputs), []
+    for first, last in itertools.pairwise(edges):
+        parts.append(allocate(10 * (last - first)))
+        state = run_kernel(state, step, inputs.stretch(first, last), parts[-1])
+    whole = simulate(LABORATORY)
+    for index, name in enumerate(SIMULATED):
+        assert_same_bits(np.concatenate([part[index] for part in parts]), getattr(whole, name))
+
+
+def test_running_from_a_state_leaves_it_as_it_was():
+    inputs, step = sample_inputs(LABORATORY), loop_step(LABORATORY)
+    state, signals = initial_state(LABORATORY, inputs), allocate(LABORATORY.samples)
+    run_kernel(state, step, inputs, signals)
+    first = signals[-1].copy()
+    run_kernel(state, step, inputs, signals)
+    assert_same_bits(signals[-1], first)
 
 
 def test_a_dead_zone_that_changes_is_a_reconfigured_controller():
@@ -78,7 +147,7 @@ def test_a_dead_zone_that_changes_is_a_reconfigured_controller():
     scenario = Scenario(6.0, REFERENCE, GROWING, dead_zones)
     trajectory = simulate(scenario)
     expected = python_loop(scenario, dead_zones)
-    for name, column in (("t", 0), ("r", 1), ("u", 2), ("q3", 9)):
+    for name, column in (("t", 0), ("r", 1), ("u", 2), ("q3", 10)):
         assert_same_bits(getattr(trajectory, name), expected[:, column])
 
 
@@ -101,7 +170,7 @@ def test_any_gains_gap_and_dead_zone_give_the_same_bits(gains, gap, level, dead_
     expected = python_loop(scenario, [dead_zone] * 50)
     trajectory = simulate(scenario)
     assert_same_bits(trajectory.u, expected[:, 2])
-    assert_same_bits(trajectory.q3, expected[:, 9])
+    assert_same_bits(trajectory.q3, expected[:, 10])
 
 
 def test_laws_arrays_and_callables_are_the_same_scenario():
@@ -191,9 +260,10 @@ def test_unknown_signals_and_no_time_are_refused():
 
 
 def test_the_kernel_is_compiled_anew_when_an_equation_changes(tmp_path, monkeypatch):
-    files = loop_kernel._compilable(plant_step) | loop_kernel._compilable(dead_zone_pid_step)
-    names = {Path(name).name for name in files}
-    assert names >= {"plant.py", "motor.py", "lead_screw.py", "structure.py", "pid.py"}
+    files = [loop_kernel._compilable(function) for function in loop_kernel.COMPILED]
+    names = {Path(name).name for name in frozenset().union(*files)}
+    cores = ("plant", "motor", "lead_screw", "structure", "pid", "dead_zone")
+    assert names >= {f"{core}.py" for core in (*cores, "friction", "sensor", "actuator")}
     core = tmp_path / "core.py"
     core.write_text("y = x")
     before = loop_kernel._source_hash([str(core)])

@@ -1,13 +1,16 @@
 """From a bag to a report: load, analyze, write."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from bdt_bringup.analysis.export import FOLDER, export
 from bdt_bringup.analysis.figures import overview_figure, residual_figure
 from bdt_bringup.analysis.reference_steps import ReferenceStep, find_steps
 from bdt_bringup.analysis.report import render_report
 from bdt_bringup.analysis.summary import Summary, summarize
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.recording import Recording, load_recording
+from bdt_bringup.bags.topic_selection import TopicSelection
 from bdt_bringup.drawing.figure_style import svg_text, write_png
 
 SUMMARY_FILE = "summary.json"
@@ -15,7 +18,12 @@ REPORT_FILE = "report.html"
 FIGURE_FILE = "figure.png"
 
 
-def analyze(bag: Path, output: Path | None = None) -> Summary:
+def analyze(
+    bag: Path,
+    output: Path | None = None,
+    selection: TopicSelection | None = None,
+    formats: Sequence[str] = (),
+) -> Summary:
     """Analyze a bag and write ``report.html``, ``summary.json`` and ``figure.png``.
 
     Parameters
@@ -25,6 +33,10 @@ def analyze(bag: Path, output: Path | None = None) -> Summary:
     output : Path, optional
         Folder for the results, created if necessary; results of an earlier analysis are
         replaced. None writes nothing.
+    selection : TopicSelection, optional
+        Which loop and which topics are meant where the bag does not tell.
+    formats : sequence of str
+        What is exported beside the report; see :mod:`bdt_bringup.analysis.export`.
 
     Returns
     -------
@@ -36,12 +48,12 @@ def analyze(bag: Path, output: Path | None = None) -> Summary:
     BagError
         If the bag cannot be analyzed or the folder cannot be written.
     """
-    recording = load_recording(Path(bag))
+    recording = load_recording(Path(bag), selection)
     steps = find_steps(recording.reference, recording.telemetry, recording.sample_time)
     summary = summarize(recording, steps)
     if output is not None:
         _prepare(Path(output), Path(bag))
-        _write(Path(output), recording, steps, summary)
+        _write(Path(output), recording, steps, summary, formats)
     return summary
 
 
@@ -57,7 +69,11 @@ def _prepare(output: Path, bag: Path) -> None:
 
 
 def _write(
-    output: Path, recording: Recording, steps: list[ReferenceStep], summary: Summary
+    output: Path,
+    recording: Recording,
+    steps: list[ReferenceStep],
+    summary: Summary,
+    formats: Sequence[str],
 ) -> None:
     overview = overview_figure(recording, steps, summary.steps)
     residuals = residual_figure(recording, steps, summary.steps)
@@ -72,6 +88,9 @@ def _write(
         (output / SUMMARY_FILE).write_text(summary.to_json(), encoding="utf-8")
         (output / REPORT_FILE).write_text(report, encoding="utf-8")
         write_png(overview, output / FIGURE_FILE)
+        if formats:
+            figures = {"overview": overview} | ({"residuals": residuals} if residuals else {})
+            export(output / FOLDER, formats, recording, summary.steps, figures)
     except OSError as error:
         raise _not_writable(output, error) from None
 

@@ -60,8 +60,7 @@ def reconfiguration_lags(estimates: FloatArray, dead_zones: FloatArray, pitch: f
     The lag of a reconfiguration runs from the stamp of the estimate (its newest sample) to the
     time at which the dead zone took the value p times that estimate (eq. 9). It holds the batch,
     the communication delay and the service call, but not the window over which the estimator
-    averages. The values themselves tell which estimate it was; a dead zone that somebody else
-    set belongs to none.
+    averages.
 
     Parameters
     ----------
@@ -77,18 +76,41 @@ def reconfiguration_lags(estimates: FloatArray, dead_zones: FloatArray, pitch: f
     ndarray, shape (i, 2)
         Rows of (time of the reconfiguration [s], lag [s]).
     """
+    matches = matching_estimates(estimates, dead_zones, pitch)
+    known = matches >= 0
+    times = dead_zones[known, 0]
+    return np.stack([times, times - estimates[matches[known], 0]], axis=1)
+
+
+def matching_estimates(
+    estimates: FloatArray, dead_zones: FloatArray, pitch: float
+) -> NDArray[np.intp]:
+    """Return which estimate is behind each dead zone.
+
+    The values themselves tell which estimate it was; a dead zone that somebody else set belongs
+    to none.
+
+    Parameters
+    ----------
+    estimates, dead_zones, pitch
+        See :func:`reconfiguration_lags`.
+
+    Returns
+    -------
+    ndarray of int, shape (j,)
+        Rows of `estimates`, increasing; -1 for none.
+    """
     stamps, tolerances = estimates[:, 0], pitch * np.maximum(estimates[:, 1], 0.0)
     following = 0
-    rows = []
-    for time, value in dead_zones.tolist():
+    matches = np.full(len(dead_zones), -1, np.intp)
+    for number, (time, value) in enumerate(dead_zones.tolist()):
         newest = int(np.searchsorted(stamps, time, side="right"))
         same = np.isclose(tolerances[following:newest], value, rtol=SAME_VALUE, atol=0.0)
         if same.any():
             # Estimates are delivered in order: the first one not yet delivered is meant.
-            match = following + int(np.argmax(same))
-            rows.append((time, time - stamps[match]))
-            following = match + 1
-    return np.array(rows).reshape(-1, 2)
+            matches[number] = following + int(np.argmax(same))
+            following = int(matches[number]) + 1
+    return matches
 
 
 def summarize_estimate(

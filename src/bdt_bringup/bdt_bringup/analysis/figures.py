@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.step_analysis import StepSummary
 from bdt_bringup.drawing import figure_style as style
-from bdt_bringup.drawing.decimation import envelope
+from bdt_bringup.drawing.decimation import envelope, hole_length
 from bdt_bringup.run_signals import RunSignals
 
 FloatArray = NDArray[np.float64]
@@ -46,7 +46,7 @@ def overview_figure(
         style.outside_legend(position, 3)
         begin, end = run.telemetry[0, 0], run.telemetry[-1, 0]
         gap.set_xlim(begin, end + run.sample_time)
-        gap.set_xlabel(_time_label(run))
+        gap.set_xlabel(time_label(run))
         figure.align_ylabels([position, voltage, gap])
         style.fix_layout(figure)
     return figure
@@ -68,7 +68,7 @@ def residual_figure(
     shown = shown_residuals(results)
     if not shown:
         return None
-    limit = 1e6 * _residual_limit(run, [steps[k] for k in shown])
+    limit = 1e6 * residual_limit(run, [steps[k] for k in shown])
     columns = min(4, len(shown))
     rows = -(-len(shown) // columns)
     with style.house_style():
@@ -94,6 +94,25 @@ def shown_residuals(results: tuple[StepSummary, ...]) -> list[int]:
         if result.residual_peak_to_peak_m is not None
     }
     return sorted(sorted(sizes, key=lambda k: sizes[k], reverse=True)[:MOST_PANELS])
+
+
+def residual_limit(run: RunSignals, steps: list[ReferenceStep]) -> float:
+    """Return the half height of a plot into which residuals at the ends and dead zones fit [m]."""
+    time, _, q3 = run.telemetry.T
+    largest = 0.0
+    for step in steps:
+        first, end = np.searchsorted(time, [step.t_end - step.window, step.t_end])
+        largest = max(largest, float(np.max(np.abs(q3[first:end] - step.reference), initial=0.0)))
+        tolerance = _dead_zone_within(run.dead_zones, step)[1]
+        largest = max(largest, float(np.max(tolerance, initial=0.0)))
+    return 1.2 * largest or 1e-6
+
+
+def time_label(run: RunSignals) -> str:
+    """Return the title of the time axis, with the origin of a clock that counts from 1970."""
+    if run.time_origin:
+        return f"time − {run.time_origin:.0f} s [s]"  # noqa: RUF001 - a minus sign
+    return "time t [s]"
 
 
 def _draw_position(axes: Axes, run: RunSignals, steps: list[ReferenceStep]) -> None:
@@ -200,18 +219,6 @@ def _dead_zone_within(dead_zones: FloatArray, step: ReferenceStep) -> tuple[Floa
     return times, np.append(rows[:, 1], rows[-1, 1])
 
 
-def _residual_limit(run: RunSignals, steps: list[ReferenceStep]) -> float:
-    """Return the half height of the panels [m]: residuals at the ends and dead zones fit in."""
-    time, _, q3 = run.telemetry.T
-    largest = 0.0
-    for step in steps:
-        first, end = np.searchsorted(time, [step.t_end - step.window, step.t_end])
-        largest = max(largest, float(np.max(np.abs(q3[first:end] - step.reference), initial=0.0)))
-        tolerance = _dead_zone_within(run.dead_zones, step)[1]
-        largest = max(largest, float(np.max(tolerance, initial=0.0)))
-    return 1.2 * largest or 1e-6
-
-
 def _shade_limit_cycles(
     axes: Axes,
     steps: list[ReferenceStep],
@@ -236,14 +243,8 @@ def _shade_limit_cycles(
 def _line(
     run: RunSignals, time: FloatArray, value: FloatArray, columns: int = COLUMNS
 ) -> tuple[FloatArray, FloatArray]:
-    return envelope(time, value, columns, 1.5 * run.sample_time)
+    return envelope(time, value, columns, hole_length(run.sample_time))
 
 
 def _letter(axes: Axes, text: str) -> None:
     axes.set_title(text, loc="left", fontweight="bold", pad=4)
-
-
-def _time_label(run: RunSignals) -> str:
-    if run.time_origin:
-        return f"time − {run.time_origin:.0f} s [s]"  # noqa: RUF001 - a minus sign
-    return "time t [s]"

@@ -82,6 +82,36 @@ def find_oscillation(signal: FloatArray, sample_time: float) -> Oscillation:
     return Oscillation(amplitude, sustained)
 
 
+def oscillation_frequency(signal: FloatArray, sample_time: float) -> float | None:
+    """Return the frequency of an oscillation: counted swings per time, two of them a period.
+
+    The time runs from the middle of the first counted swing to that of the last one, which a
+    drift moves less than turning points.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (n,)
+        Signal at a constant sampling rate.
+    sample_time : float
+        Sample time [s].
+
+    Returns
+    -------
+    float or None
+        Frequency [Hz]; None with fewer than three counted swings.
+    """
+    block = max(round(SMOOTHING_TIME / sample_time), 1)
+    smooth = _block_means(signal, block)
+    largest = find_oscillation(signal, sample_time).amplitude
+    if largest <= 0.0:
+        return None
+    turns = turning_points(smooth, COUNTED_SWING * largest)
+    if len(turns) - 1 < SWINGS:
+        return None
+    middles = _middles(smooth, turns)
+    return (len(middles) - 1) / (2.0 * (middles[-1] - middles[0]) * block * sample_time)
+
+
 def turning_points(signal: FloatArray, threshold: float) -> list[int]:
     """Return where a signal turns, beginning and end of the first and last swing included.
 
@@ -122,17 +152,21 @@ def _steady(smooth: FloatArray, threshold: float) -> bool:
     turns = turning_points(smooth, threshold)
     if len(turns) - 1 < SWINGS:
         return False
-    # The middle of a swing, not its turning point: before a slip it is quiet at the turning point.
-    middles = [
-        first + int(np.argmax(_fraction(smooth[first : last + 1]) >= 0.5))
-        for first, last in pairwise(turns)
-    ]
+    middles = _middles(smooth, turns)
     allowed = 2 * int(np.max(np.diff(middles)))
     # The first and the last swing are cut by the window: compare whole ones, if there are two.
     sizes = np.abs(np.diff(smooth[turns]))
     whole = sizes[1:-1] if sizes.size >= 4 else sizes
     begins = middles[0] <= allowed or bool(whole[-1] > whole[0])
     return begins and smooth.size - 1 - middles[-1] <= allowed
+
+
+def _middles(smooth: FloatArray, turns: list[int]) -> list[int]:
+    """Return where each swing is half done: before a slip it is quiet at the turning point."""
+    return [
+        first + int(np.argmax(_fraction(smooth[first : last + 1]) >= 0.5))
+        for first, last in pairwise(turns)
+    ]
 
 
 def _grows(smooth: FloatArray, threshold: float) -> bool:

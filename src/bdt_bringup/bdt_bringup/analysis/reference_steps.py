@@ -76,6 +76,8 @@ def find_steps(
     list of ReferenceStep
         In the order of time; empty when no reference holds during the telemetry.
     """
+    if not len(reference):
+        return []
     begin, end = telemetry[0, 0], telemetry[-1, 0] + sample_time
     rows = _changes(reference)
     # A step shorter than a sample time was never seen by the controller.
@@ -112,8 +114,6 @@ def find_steps(
 
 def _changes(reference: FloatArray) -> FloatArray:
     """Return the rows at which the value changes; of several at one time the last one holds."""
-    if not len(reference):
-        return reference
     last_of_time = np.append(np.diff(reference[:, 0]) > 0, True)
     rows = reference[last_of_time]
     changed = np.concatenate([[True], np.diff(rows[:, 1]) != 0])

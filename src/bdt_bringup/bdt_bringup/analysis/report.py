@@ -3,15 +3,19 @@
 import math
 from dataclasses import dataclass
 
+from bdt_bringup.analysis.figures import time_label
+from bdt_bringup.analysis.interactive import PlottedRun, interactive_part
+from bdt_bringup.analysis.plot_series import panels, run_series
 from bdt_bringup.analysis.reference_steps import ReferenceStep
-from bdt_bringup.analysis.step_analysis import StepSummary
+from bdt_bringup.analysis.report_tables import detail_tables, steps_table
+from bdt_bringup.analysis.run_names import run_names
 from bdt_bringup.analysis.summary import Summary
+from bdt_bringup.analysis.timing_tables import reconfiguration_table, timing_tables
 from bdt_bringup.bags.recording import Recording
 from bdt_bringup.pages.rendering import render_page
+from bdt_bringup.pages.table import number
 
 MISSING = "–"  # noqa: RUF001 - a dash stands for an unknown value
-MOST_ROWS = 200
-"""Number of steps that the table shows."""
 
 
 @dataclass(frozen=True)
@@ -111,79 +115,45 @@ def render_report(
     overview, residuals : str
         The figures as SVG elements; None for a figure without content.
     """
-    shown = summary.steps[:MOST_ROWS]
+    name = run_names([recording.path])[0]
+    telemetry = recording.telemetry
+    run = PlottedRun(name, telemetry[0, 0], telemetry[-1, 0], steps, summary.steps)
     return render_page(
         "report.html",
-        name=recording.path.resolve().name,
+        name=name,
         path=str(recording.path),
         verdict=verdict(summary),
         tiles=_tiles(summary),
         overview=overview,
         residuals=residuals,
-        steps=[_step_row(k, step) for k, step in enumerate(shown, start=1)],
-        hidden_steps=len(summary.steps) - len(shown),
+        plots=interactive_part(
+            panels(recording, steps), run_series(recording, steps), [run], time_label(recording)
+        ),
+        steps=steps_table(summary, steps),
+        tables=detail_tables(recording, summary),
+        timing=timing_tables([(name, summary)]),
+        log=reconfiguration_table(recording),
+        missing=summary.missing,
         windows=sorted({f"{step.window:.3g}" for step in steps}),
-        cut=bool(steps) and steps[-1].cut,
-        estimate=_estimate_rows(recording, summary),
-        messages=summary.messages,
-        lost=summary.lost_messages,
     )
 
 
 def _tiles(summary: Summary) -> list[tuple[str, str, str]]:
     bias, residual, errors = summary.worst_bias, summary.worst_residual, summary.estimate
-    return [
+    tiles = [
         (
             "worst bias",
-            _number(abs(bias.bias_percent_of_amplitude or 0.0) if bias else None, 1, ".2f"),
+            number(abs(bias.bias_percent_of_amplitude or 0.0) if bias else None, ".2f"),
             "%",
         ),
         (
             "worst residual p-p",
-            _number(residual.residual_peak_to_peak_m if residual else None, 1e6, ".3g"),
+            number(residual.residual_peak_to_peak_m if residual else None, ".3g", 1e6),
             "µm",
         ),
-        ("gap error, rms", _number(errors.rms_error_rad, math.degrees(1), ".2f"), "deg"),
+        ("gap error, rms", number(errors.rms_error_rad, ".2f", math.degrees(1)), "deg"),
         ("reconfigurations", str(summary.reconfigurations), ""),
-        ("simulated time", _number(summary.duration_s, 1, ".5g"), "s"),
-        ("pace", _number(summary.real_time_factor, 1, ".3g"), "× real time"),  # noqa: RUF001
+        ("simulated time", number(summary.duration_s, ".5g"), "s"),
+        ("pace", number(summary.real_time_factor, ".3g"), "× real time"),  # noqa: RUF001
     ]
-
-
-def _step_row(number: int, step: StepSummary) -> dict[str, str | bool]:
-    cycle = {None: MISSING, False: "no", True: "yes"}[step.limit_cycle]
-    return {
-        "number": str(number),
-        "start": _number(step.t_start_s, 1, ".6g"),
-        "reference": _number(step.reference_m, 1e3, ".4g"),
-        "residual": _number(step.residual_peak_to_peak_m, 1e6, ".2f"),
-        "bias": _number(step.bias_m, 1e6, "+.2f"),
-        "percent": _number(step.bias_percent_of_amplitude, 1, "+.3f"),
-        "settling": _number(step.settling_time_s, 1, ".2f"),
-        "cycle": cycle,
-        "alarm": bool(step.limit_cycle),
-    }
-
-
-def _estimate_rows(recording: Recording, summary: Summary) -> list[tuple[str, str, str]]:
-    """Return rows of (quantity, value, unit)."""
-    degrees, errors = math.degrees(1), summary.estimate
-    final = summary.dead_zone_final_m
-    angle = None if final is None else final / recording.pitch
-    gap = None if recording.truth is None else float(recording.truth[-1, 3])
-    return [
-        ("estimates", str(len(recording.estimates)), ""),
-        ("gap error, root mean square", _number(errors.rms_error_rad, degrees, ".3f"), "deg"),
-        ("gap error, largest", _number(errors.max_error_rad, degrees, ".3f"), "deg"),
-        ("worst lag of the dead zone", _number(errors.worst_lag_s, 1, ".3f"), "s"),
-        ("reconfigurations", str(summary.reconfigurations), ""),
-        ("dead zone at the end", _number(final, 1e6, ".2f"), "µm"),
-        ("dead zone at the end, as a gap", _number(angle, degrees, ".2f"), "deg"),
-        ("true gap at the end", _number(gap, degrees, ".2f"), "deg"),
-    ]
-
-
-def _number(value: float | None, scale: float, form: str) -> str:
-    if value is None:
-        return MISSING
-    return format(value * scale, form).replace("-", "−")  # noqa: RUF001 - a minus sign
+    return [(label, value or MISSING, unit if value else "") for label, value, unit in tiles]

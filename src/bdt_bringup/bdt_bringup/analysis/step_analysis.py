@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_bringup.analysis.oscillation import find_oscillation
+from bdt_bringup.analysis.oscillation import find_oscillation, oscillation_frequency
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 
 FloatArray = NDArray[np.float64]
@@ -46,6 +46,10 @@ class StepSummary:
     limit_cycle : bool or None
         True when q3 oscillates in the last 3 s with more than 1 % of the height peak to peak and
         does not decay; see :func:`bdt_bringup.analysis.oscillation.find_oscillation`.
+    limit_cycle_amplitude_m : float or None
+        Half of the peak to peak of that oscillation [m]; None without a limit cycle.
+    limit_cycle_frequency_hz : float or None
+        Its frequency [Hz]; None without a limit cycle.
 
     Notes
     -----
@@ -60,6 +64,8 @@ class StepSummary:
     bias_percent_of_amplitude: float | None
     settling_time_s: float | None
     limit_cycle: bool | None
+    limit_cycle_amplitude_m: float | None = None
+    limit_cycle_frequency_hz: float | None = None
 
 
 def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: float) -> StepSummary:
@@ -92,6 +98,7 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
             SETTLED * step.height,
             step.length - step.window / 3,
         )
+    cycle = has_limit_cycle(tail, sample_time, step.scale) if judged else None
     return StepSummary(
         t_start_s=step.t_start,
         reference_m=step.reference,
@@ -99,7 +106,9 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
         bias_m=bias,
         bias_percent_of_amplitude=100 * bias / step.height if step.height else None,
         settling_time_s=settling,
-        limit_cycle=has_limit_cycle(tail, sample_time, step.scale) if judged else None,
+        limit_cycle=cycle,
+        limit_cycle_amplitude_m=0.5 * oscillation_size(tail, sample_time) if cycle else None,
+        limit_cycle_frequency_hz=oscillation_frequency(tail, sample_time) if cycle else None,
     )
 
 
@@ -150,9 +159,21 @@ def has_limit_cycle(position: FloatArray, sample_time: float, height: float | No
     """
     if height is None:
         return None
-    oscillation = find_oscillation(position, sample_time)
+    sustained = find_oscillation(position, sample_time).sustained
+    return sustained and oscillation_size(position, sample_time) > LIMIT_CYCLE * height
+
+
+def oscillation_size(position: FloatArray, sample_time: float) -> float:
+    """Return the peak to peak of an oscillation [m], without drift and noise.
+
+    Parameters
+    ----------
+    position : ndarray, shape (n,)
+        Position q3 over the window at the end of the step [m].
+    sample_time : float
+        Sample time [s].
+    """
+    amplitude = find_oscillation(position, sample_time).amplitude
     peak_to_peak = float(np.ptp(position))
     # Smoothing takes a little from the peaks; with noise or drift it takes more, and should.
-    clean = oscillation.amplitude >= CLEAN * peak_to_peak
-    size = peak_to_peak if clean else oscillation.amplitude
-    return oscillation.sustained and size > LIMIT_CYCLE * height
+    return peak_to_peak if amplitude >= CLEAN * peak_to_peak else amplitude

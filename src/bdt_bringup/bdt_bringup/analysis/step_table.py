@@ -2,6 +2,7 @@
 
 from rich.table import Table
 
+from bdt_bringup.analysis.step_analysis import StepSummary
 from bdt_bringup.analysis.summary import Summary
 
 
@@ -24,9 +25,17 @@ def step_table(summary: Summary) -> Table:
             _number(step.residual_peak_to_peak_m, 1e6, ".1f"),
             _number(step.bias_percent_of_amplitude, 1.0, "+.2f"),
             _number(step.settling_time_s, 1.0, ".2f"),
-            {True: "yes", False: "no", None: "-"}[step.limit_cycle],
+            _limit_cycle(step),
         )
     return table
+
+
+def _limit_cycle(step: StepSummary) -> str:
+    """Return whether there is a limit cycle and, if so, its amplitude and frequency."""
+    if not step.limit_cycle:
+        return "-" if step.limit_cycle is None else "no"
+    amplitude = _number(step.limit_cycle_amplitude_m, 1e6, ".3g")
+    return f"{amplitude} um, {_number(step.limit_cycle_frequency_hz, 1.0, '.2f')} Hz"
 
 
 def _number(value: float | None, scale: float, form: str) -> str:

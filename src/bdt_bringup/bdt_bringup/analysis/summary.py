@@ -7,6 +7,13 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from bdt_bringup.analysis.estimate_analysis import EstimateSummary, summarize_estimate
+from bdt_bringup.analysis.judged_position import judged_telemetry
+from bdt_bringup.analysis.loop_timing import LoopTiming, summarize_timing
+from bdt_bringup.analysis.missing_samples import bridge_missing_samples
+from bdt_bringup.analysis.reconfigurations import (
+    ReconfigurationSummary,
+    summarize_reconfigurations,
+)
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.step_analysis import StepSummary, summarize_step
 from bdt_bringup.bags.completeness import lost_messages
@@ -35,6 +42,14 @@ class Summary:
         Number of messages by topic.
     lost_messages : int
         Number of missing measurements, commands and telemetry batches.
+    missing_samples : int
+        Number of samples of the telemetry whose position or voltage is not finite.
+    missing : tuple of str
+        What the bag lacks, each with what follows from it.
+    timing : LoopTiming
+        Period, jitter, gaps and latency of the loop.
+    reconfiguration_delay : ReconfigurationSummary
+        How late the dead zones follow the estimates.
     """
 
     duration_s: float
@@ -45,6 +60,10 @@ class Summary:
     dead_zone_final_m: float | None
     messages: Mapping[str, int]
     lost_messages: int
+    missing_samples: int
+    missing: tuple[str, ...]
+    timing: LoopTiming
+    reconfiguration_delay: ReconfigurationSummary
 
     def to_dictionary(self) -> dict[str, Any]:
         """Return what ``summary.json`` holds; a number that is not finite becomes None."""
@@ -84,12 +103,12 @@ def summarize(recording: Recording, steps: list[ReferenceStep]) -> Summary:
         Its steps.
     """
     dead_zones = recording.dead_zones
+    rows, sample_time = judged_telemetry(recording)
+    rows = bridge_missing_samples(rows, sample_time)
     return Summary(
         duration_s=recording.duration,
         real_time_factor=recording.real_time_factor,
-        steps=tuple(
-            summarize_step(step, recording.telemetry, recording.sample_time) for step in steps
-        ),
+        steps=tuple(summarize_step(step, rows, sample_time) for step in steps),
         estimate=summarize_estimate(
             recording.truth, recording.estimates, dead_zones, recording.pitch
         ),
@@ -97,6 +116,10 @@ def summarize(recording: Recording, steps: list[ReferenceStep]) -> Summary:
         dead_zone_final_m=float(dead_zones[-1, 1]) if len(dead_zones) else None,
         messages=recording.message_counts,
         lost_messages=lost_messages(recording),
+        missing_samples=recording.missing_samples,
+        missing=recording.missing,
+        timing=summarize_timing(recording),
+        reconfiguration_delay=summarize_reconfigurations(recording),
     )
 
 

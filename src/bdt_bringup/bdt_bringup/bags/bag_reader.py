@@ -1,38 +1,53 @@
-"""Bags: find the project's topics in any rosbag2 recording and take out their raw messages.
+"""Bags: take the raw messages of the project's topics out of any rosbag2 recording.
 
 Reading is by ``rosbags`` alone, so a bag can be looked at where there is no ROS. The bag is only
 ever opened for reading.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from struct import error as StructError  # noqa: N812 - the module's name for it says nothing
+from typing import Any, cast
 
-from rosbags.interfaces import Connection
-from rosbags.rosbag2 import Reader
+import apsw
+from rosbags.interfaces import ConnectionExtRosbag2
+from rosbags.rosbag2 import Reader, ReaderError
+from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
+from ruamel.yaml.error import YAMLError
 
-from bdt_msgs_py.topics import (
-    BACKLASH_ESTIMATE,
-    COMMAND,
-    DIAGNOSTICS,
-    MEASUREMENT,
-    PARAMETER_EVENTS,
-    REFERENCE,
-    TELEMETRY,
-    TRUTH,
-    Topic,
+from bdt_bringup.bags.bag_error import BagError, one_line
+from bdt_bringup.bags.expansion import ALWAYS_ALLOWED, ZSTD_MAGIC, allowed_size, expand_message
+from bdt_bringup.bags.storage_files import storage_files
+from bdt_bringup.bags.topic_selection import RecordedTopic, TopicSelection, select_topics
+from bdt_msgs_py.topics import JOINT_STATE, MEASUREMENT, TELEMETRY, Topic
+
+__all__ = ["BagError", "RawBag", "RawTopic", "decode", "read_bag"]
+
+DAMAGED_BAG = (
+    ReaderError,  # what rosbags checks
+    SerdeError,
+    OSError,
+    apsw.Error,  # damaged pages of sqlite, met while reading messages
+    YAMLError,  # quality of service profiles
+    RecursionError,  # the same, nested
+    # rosbags unpacks lengths and fields as they stand; what lies behind the end of a record, a
+    # value of no enumeration or a text that is not UTF-8 makes any of these:
+    StructError,
+    AssertionError,
+    AttributeError,
+    EOFError,
+    LookupError,
+    OverflowError,
+    TypeError,
+    ValueError,
 )
-
-REQUIRED = (TELEMETRY, REFERENCE)
-OPTIONAL = (TRUTH, BACKLASH_ESTIMATE, MEASUREMENT, COMMAND, PARAMETER_EVENTS, DIAGNOSTICS)
-
-
-class BagError(ValueError):
-    """A bag or an output folder cannot be used; one line that says why and what is required."""
+"""What reading a damaged bag raises."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +86,8 @@ class RawBag:
     path : Path
         The bag.
     topics : mapping of Topic to RawTopic
-        The topics of the public interface that were found; the required ones always.
+        The topics of the public interface that hold messages; telemetry or measurement always is
+        one of them.
     message_counts : mapping of str to int
         Number of messages of every topic in the bag, by its name there.
     """
@@ -81,93 +97,50 @@ class RawBag:
     message_counts: Mapping[str, int]
 
 
-def read_bag(path: Path) -> RawBag:
+def read_bag(path: Path, selection: TopicSelection | None = None) -> RawBag:
     """Read the raw messages of the project's topics.
 
     Parameters
     ----------
     path : Path
-        A rosbag2 folder (mcap or sqlite3, compressed or not) or a bare ``.mcap`` or ``.db3`` file.
+        A rosbag2 folder (mcap or sqlite3, compressed or not) or a file of one.
+    selection : TopicSelection, optional
+        Which topics are meant where the bag does not tell.
 
     Raises
     ------
     BagError
-        If this is not a readable bag, or if it lacks a required topic.
+        If this is not a readable bag, or if it holds neither telemetry nor measurements.
     """
     path = Path(path)
-    _check_path(path)
-    try:
-        with Reader(path) as reader:
-            counts: dict[str, int] = {}
-            for connection in reader.connections:
-                counts[connection.topic] = counts.get(connection.topic, 0) + connection.msgcount
-            names = find_topics(path, reader.connections)
-            topics = {topic: RawTopic(name, topic.message_type) for topic, name in names.items()}
-            _fill(reader, topics)
-    except BagError:
-        raise
-    except MemoryError:
-        raise BagError(f"bag {path}: declares more data than fits in memory") from None
-    except Exception as error:
-        # A damaged file makes rosbags and the parsers below it raise nearly anything.
-        raise BagError(f"bag {path}: is not a readable rosbag2 bag: {one_line(error)}") from error
-    for topic in REQUIRED:
-        if not topics[topic].data:
-            raise BagError(
-                f"bag {path}: topic {topics[topic].name} has no messages: must have at least one"
+    with _one_line_for_damage(path), storage_files(path) as files, ExitStack() as stack:
+        readers = [stack.enter_context(Reader(file)) for file in files]
+        connections = [connection for reader in readers for connection in reader.connections]
+        recorded = {RecordedTopic(x.topic, x.msgtype) for x in connections}
+        try:
+            chosen = select_topics(
+                recorded,
+                selection or TopicSelection(),
+                lambda topic: _content(path, readers, topic),
             )
+        except BagError as error:
+            raise BagError(f"bag {path}: {error}") from None
+        counts = dict.fromkeys(sorted(x.topic for x in connections), 0)
+        for connection in connections:
+            counts[connection.topic] += connection.msgcount
+        topics = {topic: RawTopic(*name) for topic, name in chosen.items()}
+        limit = allowed_size(sum(file.stat().st_size for file in files))
+        for reader in readers:
+            limit = _fill(path, reader, topics, limit)
     counts.update({raw.name: len(raw.data) for raw in topics.values()})
-    return RawBag(path, topics, dict(sorted(counts.items())))
-
-
-def find_topics(path: Path, connections: list[Connection]) -> dict[Topic, str]:
-    """Find the project's topics by their last name component and message type.
-
-    When a topic occurs in several namespaces, the one beside the telemetry is meant.
-
-    Parameters
-    ----------
-    path : Path
-        The bag, for messages.
-    connections : list of Connection
-        All connections of the bag.
-
-    Returns
-    -------
-    dict of Topic to str
-        Full names; topics that are optional and not there are left out.
-
-    Raises
-    ------
-    BagError
-        If a required topic is missing or of the wrong type, or if it is unclear which one is meant.
-    """
-    found: dict[Topic, str] = {}
-    for topic in (*REQUIRED, *OPTIONAL):
-        component = _last_component(topic.name)
-        types = {x.topic: x.msgtype for x in connections if _last_component(x.topic) == component}
-        names = sorted(name for name, type_ in types.items() if type_ == topic.message_type)
-        if not names and topic in REQUIRED:
-            if types:
-                name, type_ = min(types.items())
-                raise BagError(
-                    f"bag {path}: topic {name} has type {type_}: must be {topic.message_type}"
-                )
-            raise BagError(
-                f"bag {path}: lacks topic {component} ({topic.message_type}); it has "
-                + (", ".join(sorted({x.topic for x in connections})[:20]) or "no topics")
-            )
-        if len(names) > 1 and topic is not TELEMETRY:
-            namespace = found[TELEMETRY].rpartition("/")[0]
-            names = [name for name in names if name.rpartition("/")[0] == namespace] or names
-        if len(names) > 1:
-            raise BagError(
-                f"bag {path}: {' and '.join(names)} could both be the topic {component}: "
-                "must hold one loop"
-            )
-        if names:
-            found[topic] = names[0]
-    return found
+    topics = {topic: raw for topic, raw in topics.items() if raw.data}
+    if not topics.keys() & {TELEMETRY, MEASUREMENT}:
+        names = sorted(x.name for topic, x in chosen.items() if topic in {TELEMETRY, MEASUREMENT})
+        have = "has" if len(names) == 1 else "have"
+        raise BagError(
+            f"bag {path}: {' and '.join(names)} {have} no messages: must have at least one"
+        )
+    return RawBag(path, topics, counts)
 
 
 def decode(path: Path, raw: RawTopic) -> list[Any]:
@@ -178,12 +151,11 @@ def decode(path: Path, raw: RawTopic) -> list[Any]:
     BagError
         If one is damaged.
     """
-    store = typestore()
     messages = []
     for number, data in enumerate(raw.data):
         try:
-            messages.append(store.deserialize_cdr(data, raw.message_type))
-        except Exception as error:
+            messages.append(typestore().deserialize_cdr(data, raw.message_type))
+        except (*DAMAGED_BAG, MemoryError) as error:
             raise BagError(
                 f"bag {path}: message {number} of {raw.name} is damaged: {one_line(error)}"
             ) from error
@@ -196,38 +168,66 @@ def typestore() -> Typestore:
     return get_typestore(Stores.ROS2_JAZZY)
 
 
-def one_line(error: BaseException) -> str:
-    """Return what an exception says, in one line that is never empty."""
-    text = " ".join(str(error).split()) or type(error).__name__
-    return text if len(text) <= 300 else text[:297] + "..."
-
-
-def _check_path(path: Path) -> None:
+@contextmanager
+def _one_line_for_damage(path: Path) -> Iterator[None]:
     try:
-        if not path.exists():
-            raise BagError(f"bag {path}: does not exist")
-        if path.is_dir() and not (path / "metadata.yaml").is_file():
-            files = sorted(x.name for x in path.iterdir() if x.suffix in {".mcap", ".db3"})
-            hint = f"; {path / files[0]} can be given by itself" if files else ""
-            raise BagError(
-                f"bag {path}: has no metadata.yaml: must be a rosbag2 folder, "
-                f"a .mcap or a .db3 file{hint}"
-            )
-        if path.is_file() and path.suffix not in {".mcap", ".db3"}:
-            raise BagError(f"bag {path}: must be a rosbag2 folder, a .mcap or a .db3 file")
+        yield
+    except BagError:
+        raise
+    except MemoryError:
+        raise BagError(f"bag {path}: holds more data than fits in memory") from None
     except OSError as error:
-        raise BagError(f"bag {path}: cannot be read: {error.strerror or error}") from None
+        raise BagError(f"bag {path}: cannot be read: {error.strerror or one_line(error)}") from None
+    except DAMAGED_BAG as error:
+        raise BagError(f"bag {path}: is not a readable rosbag2 bag: {one_line(error)}") from error
 
 
-def _fill(reader: Reader, topics: Mapping[Topic, RawTopic]) -> None:
-    """Read the messages of the topics found, and nothing else."""
+def _fill(path: Path, reader: Reader, topics: Mapping[Topic, RawTopic], limit: int) -> int:
+    """Read the messages of the topics chosen; return how many more bytes may follow."""
     by_name = {(raw.name, raw.message_type): raw for raw in topics.values()}
     wanted = [x for x in reader.connections if (x.topic, x.msgtype) in by_name]
-    for connection, received, data in reader.messages(wanted):
+    for connection in wanted:
+        encoding = cast("ConnectionExtRosbag2", connection.ext).serialization_format
+        if encoding != "cdr":
+            raise BagError(
+                f"bag {path}: topic {connection.topic} is serialized as {encoding!r}: must be cdr"
+            )
+    if not wanted:  # for the reader, none means all
+        return limit
+    for connection, received, stored in reader.messages(wanted):
         raw = by_name[connection.topic, connection.msgtype]
+        data = _message(path, raw, received, stored, limit)
+        limit -= len(data)
+        if limit < 0:
+            raise BagError(f"bag {path}: holds more data than a bag of its size may")
         raw.received.append(received)
         raw.data.append(data)
+    return limit
 
 
-def _last_component(name: str) -> str:
-    return name.rpartition("/")[2]
+def _message(path: Path, raw: RawTopic, received: object, stored: object, limit: int) -> bytes:
+    """Return the content of a message that may be compressed: CDR begins with another byte."""
+    # sqlite holds values of any type in any column.
+    if not isinstance(stored, bytes) or not isinstance(received, int):
+        raise BagError(f"bag {path}: message {len(raw.data)} of {raw.name} is not binary data")
+    if not stored.startswith(ZSTD_MAGIC):
+        return stored
+    try:
+        return expand_message(stored, min(limit, allowed_size(len(stored))))
+    except BagError as error:
+        raise BagError(f"bag {path}: message {len(raw.data)} of {raw.name}: {error}") from None
+
+
+def _content(path: Path, readers: Sequence[Reader], topic: RecordedTopic) -> str | None:
+    """Return the column labels or the joint of the first message of a topic."""
+    raw = RawTopic(*topic)
+    for reader in readers:
+        wanted = [x for x in reader.connections if (x.topic, x.msgtype) == topic]
+        for _, received, stored in islice(reader.messages(wanted), 1 if wanted else 0):
+            raw.data.append(_message(path, raw, received, stored, ALWAYS_ALLOWED))
+            (message,) = decode(path, raw)
+            if topic.message_type == JOINT_STATE:
+                return str(message.name[0]) if len(message.name) == 1 else None
+            dimensions = message.layout.dim
+            return str(dimensions[1].label) if len(dimensions) == 2 else None
+    return None

@@ -23,20 +23,20 @@ def lost_messages(recording: Recording) -> int:
     recording : Recording
         A loaded bag.
     """
-    streams = [
-        stamps for stamps in (recording.measurement_stamps, recording.command_stamps) if stamps.size
-    ]
-    telemetry = recording.telemetry[:, 0]
+    streams = [x.stamps for x in (recording.measurements, recording.commands) if x.stamps.size]
+    times = recording.sample_times
     first_stamp = min((float(stamps.min()) for stamps in streams), default=math.nan)
     last_stamp = max((float(stamps.max()) for stamps in streams), default=math.nan)
     begin = first = math.nan
-    if min(abs(telemetry[0]), abs(first_stamp)) < recording.sample_time or telemetry[0] == 0.0:
+    if min(abs(times[0]), abs(first_stamp)) < recording.sample_time or times[0] == 0.0:
         begin = first = 0.0
         # In real time the first measurement comes one period after the first sample.
         if first_stamp < 1.5 * min((_period(stamps) for stamps in streams), default=0.0):
             first = first_stamp
-    lost = sum(missing_stamps(stamps, first, float(telemetry[-1])) for stamps in streams)
-    return lost + missing_batches(telemetry, recording.batch_rows, begin, last_stamp)
+    lost = sum(missing_stamps(stamps, first, float(times[-1])) for stamps in streams)
+    if not recording.batch_rows:
+        return lost
+    return lost + missing_batches(times, recording.batch_rows, begin, last_stamp)
 
 
 def missing_stamps(stamps: FloatArray, begin: float, end: float) -> int:

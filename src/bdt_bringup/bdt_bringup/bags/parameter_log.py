@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_error import BagError
 from bdt_msgs_py.reading import nanoseconds_from_stamp
 from bdt_msgs_py.topics import DEAD_ZONE_PARAMETER
 

@@ -3,29 +3,42 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_bringup.bags.bag_reader import BagError, RawBag, decode, read_bag
+from bdt_bringup.bags.bag_error import BagError
+from bdt_bringup.bags.bag_reader import RawBag, decode, read_bag
 from bdt_bringup.bags.parameter_log import (
     diagnosed_dead_zones,
     parameter_changes,
     recorded_pitch,
 )
 from bdt_bringup.bags.recording_clock import (
-    LARGEST_TIME,
-    header_stamps,
+    NO_MESSAGES,
+    MessageTimes,
+    batch_times,
+    first_reception,
+    message_times,
     on_telemetry_clock,
-    reception_clock,
 )
+from bdt_bringup.bags.sample_rows import (
+    LARGEST_VALUE,
+    SampleRows,
+    ordered_rows,
+    rows_of_messages,
+    sample_batches,
+)
+from bdt_bringup.bags.topic_selection import TopicSelection
 from bdt_bringup.run_signals import RunSignals
-from bdt_msgs_py.reading import read_position, read_samples
+from bdt_msgs_py.reading import read_position
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
     COMMAND,
     DIAGNOSTICS,
     GAP_JOINT,
+    GAP_UNCERTAINTY_JOINT,
     MEASUREMENT,
     PARAMETER_EVENTS,
     PLATFORM_JOINT,
@@ -43,43 +56,65 @@ FloatArray = NDArray[np.float64]
 EPOCH_TIMES = 1e8
 """Times [s] beyond this (three years) are on a clock that counts from 1970."""
 
-LARGEST_VALUE = 1e100
-"""What is beyond this has left physics, and soon floating point; it counts as not finite."""
-
 SHORTEST_SAMPLE_TIME = 1e-9
 """Telemetry is not sampled faster than this [s]."""
+
+WITHOUT = {
+    TELEMETRY: "samples are those of measurement and command",
+    MEASUREMENT: "the timing of the loop is that of telemetry",
+    COMMAND: "latency unknown",
+    REFERENCE: "no step is judged",
+    TRUTH: "error of the estimate unknown",
+    BACKLASH_ESTIMATE: "delay of reconfigurations unknown",
+}
+"""What the analysis says when a topic is missing."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Recording(RunSignals):
     """What a bag says about one run.
 
-    The pitch is the paper's unless the bag tells another.
+    The pitch is the paper's unless the bag tells another. A sample whose position or voltage is
+    not finite is missing: it has no row in the telemetry.
 
     Attributes
     ----------
     path : Path
         The bag.
+    sample_times : ndarray, shape (m,)
+        Times of all samples [s], missing ones included.
     batch_rows : int
-        Median number of rows of a telemetry message.
+        Median number of rows of a telemetry message; 0 for a bag without telemetry, whose rows
+        are those of measurements and commands.
     reconfigurations : int
         Number of times that the dead zone was set while the controller ran.
-    measurement_stamps, command_stamps : ndarray, shape (k,)
-        Stamps [s] in the order of the bag.
-    receive_clock : ndarray, shape (k, 2)
-        Rows of (receive time [s], time of the data [s]) of measurements or, without them, of
-        telemetry.
+    measurements, commands, batches : MessageTimes
+        Times of the messages of measurement, command and telemetry.
     message_counts : mapping of str to int
         Number of messages by topic.
+    missing : tuple of str
+        What the bag lacks, each with what follows from it.
     """
 
     path: Path
+    sample_times: FloatArray
     batch_rows: int
     reconfigurations: int
-    measurement_stamps: FloatArray
-    command_stamps: FloatArray
-    receive_clock: FloatArray
+    measurements: MessageTimes
+    commands: MessageTimes
+    batches: MessageTimes
     message_counts: Mapping[str, int]
+    missing: tuple[str, ...] = ()
+
+    @property
+    def missing_samples(self) -> int:
+        """Number of samples without position or voltage."""
+        return len(self.sample_times) - len(self.telemetry)
+
+    @property
+    def receive_clock(self) -> MessageTimes:
+        """Which time of the data was received when: measurements or, without them, telemetry."""
+        return self.measurements if len(self.measurements.stamps) else self.batches
 
     @property
     def real_time_factor(self) -> float | None:
@@ -88,135 +123,150 @@ class Recording(RunSignals):
         The first time is taken when it was received last: a lockstep plant repeats its first
         measurement until everybody is there.
         """
-        if not len(self.receive_clock):
+        time, received = self.receive_clock
+        if not len(time):
             return None
-        received, time = self.receive_clock.T
         begin, end = received[time == time.min()].max(), received[time == time.max()].min()
         return float(np.ptp(time) / (end - begin)) if end > begin else None
 
 
-def load_recording(path: Path) -> Recording:
+def load_recording(path: Path, selection: TopicSelection | None = None) -> Recording:
     """Load a bag.
 
     Parameters
     ----------
     path : Path
         See :func:`bdt_bringup.bags.bag_reader.read_bag`.
+    selection : TopicSelection, optional
+        Which loop and which topics are meant where the bag does not tell.
 
     Raises
     ------
     BagError
         For everything that is wrong with the bag.
     """
-    bag = read_bag(path)
-    batches = _sample_batches(bag, TELEMETRY, TELEMETRY_COLUMNS)
-    telemetry = _ordered_rows(bag, TELEMETRY, batches)
-    if len(telemetry) < 2:
-        raise BagError(
-            f"bag {bag.path}: topic {bag.topics[TELEMETRY].name} has {len(telemetry)} valid "
-            "samples: must have at least two"
-        )
-    if np.median(np.diff(telemetry[:, 0])) < SHORTEST_SAMPLE_TIME:
-        raise BagError(
-            f"bag {bag.path}: topic {bag.topics[TELEMETRY].name} is sampled every "
-            f"{np.median(np.diff(telemetry[:, 0])):g} s: must be at least 1e-9 s"
-        )
+    bag = read_bag(path, selection)
+    batches = None
+    if TELEMETRY in bag.topics:
+        source, batches = TELEMETRY, sample_batches(bag, TELEMETRY, TELEMETRY_COLUMNS)
+        samples = ordered_rows(bag, TELEMETRY, batches)
+    else:
+        source, samples = MEASUREMENT, rows_of_messages(bag)
+    telemetry = samples.rows
+    _check_sampling(bag, source, telemetry)
     origin = float(np.floor(telemetry[0, 0])) if telemetry[0, 0] > EPOCH_TIMES else 0.0
     telemetry[:, 0] -= origin
-    truth = None
-    if TRUTH in bag.topics and bag.topics[TRUTH].data:
-        rows = _ordered_rows(bag, TRUTH, _sample_batches(bag, TRUTH, TRUTH_COLUMNS))
-        rows[:, 0] -= origin
-        truth = rows if len(rows) else None
-    stamps = {topic: header_stamps(bag, topic, origin) for topic in (MEASUREMENT, COMMAND)}
-    receive_clock = reception_clock(bag, batches, stamps[MEASUREMENT], origin)
-    dead_zones, reconfigurations, pitch = _dead_zone_log(bag, telemetry, receive_clock, origin)
+    begin = first_reception(bag)
+    measurements, commands = (
+        message_times(bag, topic, origin, begin) for topic in (MEASUREMENT, COMMAND)
+    )
+    sent = NO_MESSAGES if batches is None else batch_times(bag, TELEMETRY, batches, origin, begin)
+    clock = _Clock(telemetry, measurements if len(measurements.stamps) else sent, origin, begin)
+    dead_zones, reconfigurations, pitch = _dead_zone_log(bag, source, clock)
     return Recording(
         path=bag.path,
         time_origin=origin,
         telemetry=telemetry,
-        batch_rows=int(np.median([len(batch) for batch in batches if len(batch)])),
-        truth=truth,
-        reference=_positions(bag, REFERENCE, PLATFORM_JOINT, telemetry, receive_clock, origin),
-        estimates=_positions(bag, BACKLASH_ESTIMATE, GAP_JOINT, telemetry, receive_clock, origin),
+        sample_times=samples.times - origin,
+        batch_rows=int(np.median([len(x) for x in batches if len(x)])) if batches else 0,
+        truth=_truth(bag, origin),
+        reference=_positions(bag, REFERENCE, PLATFORM_JOINT, clock),
+        estimates=_positions(bag, BACKLASH_ESTIMATE, GAP_JOINT, clock),
+        uncertainties=_positions(
+            bag, BACKLASH_ESTIMATE, GAP_UNCERTAINTY_JOINT, clock, optional=True
+        ),
         dead_zones=dead_zones,
         reconfigurations=reconfigurations,
         pitch=pitch,
-        measurement_stamps=stamps[MEASUREMENT],
-        command_stamps=stamps[COMMAND],
-        receive_clock=receive_clock,
+        measurements=measurements,
+        commands=commands,
+        batches=sent,
         message_counts=bag.message_counts,
+        missing=_missing(bag, samples),
     )
 
 
-def _sample_batches(bag: RawBag, topic: Topic, columns: Sequence[str]) -> list[FloatArray]:
-    raw = bag.topics[topic]
-    batches = []
-    for number, message in enumerate(decode(bag.path, raw)):
-        try:
-            batches.append(read_samples(message, columns))
-        except ValueError as error:
-            raise BagError(f"bag {bag.path}: message {number} of {raw.name}: {error}") from None
-    return batches
+class _Clock(NamedTuple):
+    """What it takes to bring a stamp to the clock of the telemetry."""
+
+    telemetry: FloatArray
+    receive_clock: MessageTimes
+    origin: float
+    begin: int
+
+    def times(self, stamps: Sequence[int], received: Sequence[int]) -> FloatArray:
+        return on_telemetry_clock(
+            stamps, received, self.telemetry, self.receive_clock, self.origin, self.begin
+        )
 
 
-def _ordered_rows(bag: RawBag, topic: Topic, batches: list[FloatArray]) -> FloatArray:
-    """Return finite rows in the order of time; a batch that was recorded twice counts once."""
-    rows = np.concatenate(batches)
-    finite = (np.abs(rows) < LARGEST_VALUE).all(axis=1) & (np.abs(rows[:, 0]) < LARGEST_TIME)
-    if not finite.all():
-        rows = rows[finite]
-    if (np.diff(rows[:, 0]) <= 0).any():
-        rows = rows[np.argsort(rows[:, 0], kind="stable")]
-        twice = np.diff(rows[:, 0]) == 0
-        different = twice & (rows[1:] != rows[:-1]).any(axis=1)
-        if different.any():
-            time = rows[1:][different][0, 0]
-            raise BagError(
-                f"bag {bag.path}: topic {bag.topics[topic].name} has two different samples for "
-                f"t = {time:g} s: must hold one run"
-            )
-        rows = rows[np.concatenate([[True], ~twice])]
-    return rows
+def _check_sampling(bag: RawBag, source: Topic, telemetry: FloatArray) -> None:
+    if len(telemetry) < 2:
+        raise BagError(
+            f"bag {bag.path}: topic {bag.topics[source].name} has {len(telemetry)} valid "
+            "samples: must have at least two"
+        )
+    sample_time = np.median(np.diff(telemetry[:, 0]))
+    if sample_time < SHORTEST_SAMPLE_TIME:
+        raise BagError(
+            f"bag {bag.path}: topic {bag.topics[source].name} is sampled every "
+            f"{sample_time:g} s: must be at least {SHORTEST_SAMPLE_TIME:g} s"
+        )
+
+
+def _missing(bag: RawBag, samples: SampleRows) -> tuple[str, ...]:
+    lines = [
+        f"no {topic.name}: {text}" for topic, text in WITHOUT.items() if topic not in bag.topics
+    ]
+    if PARAMETER_EVENTS not in bag.topics and DIAGNOSTICS not in bag.topics:
+        lines.append("neither parameter events nor diagnostics: dead zone unknown")
+    lost = len(samples.times) - len(samples.rows)
+    if lost:
+        lines.append(f"{lost} of {len(samples.times)} samples are not finite")
+    return tuple(lines)
+
+
+def _truth(bag: RawBag, origin: float) -> FloatArray | None:
+    if TRUTH not in bag.topics:
+        return None
+    rows = ordered_rows(bag, TRUTH, sample_batches(bag, TRUTH, TRUTH_COLUMNS)).rows
+    rows[:, 0] -= origin
+    return rows if len(rows) else None
 
 
 def _positions(
-    bag: RawBag,
-    topic: Topic,
-    joint: str,
-    telemetry: FloatArray,
-    receive_clock: FloatArray,
-    origin: float,
+    bag: RawBag, topic: Topic, joint: str, clock: _Clock, *, optional: bool = False
 ) -> FloatArray:
-    """Return rows of (time [s], position) of a topic, in the order of time."""
+    """Return rows of (time [s], position) of a topic, in the order of time.
+
+    Messages without an optional joint are left out.
+    """
     raw = bag.topics.get(topic)
-    if raw is None or not raw.data:
+    if raw is None:
         return np.empty((0, 2))
-    rows = []
+    rows, received = [], []
     for number, message in enumerate(decode(bag.path, raw)):
+        if optional and joint not in message.name:
+            continue
+        received.append(raw.received[number])
         try:
             rows.append(read_position(message, joint))
         except ValueError as error:
             raise BagError(f"bag {bag.path}: message {number} of {raw.name}: {error}") from None
-    stamps = [stamp for stamp, _ in rows]
-    times = on_telemetry_clock(stamps, raw.received, telemetry, receive_clock, origin)
+    if not rows:
+        return np.empty((0, 2))
+    times = clock.times([stamp for stamp, _ in rows], received)
     values = np.array([position for _, position in rows])
     kept = np.abs(values) < LARGEST_VALUE  # the nodes ignore what is not finite
     order = np.argsort(times[kept], kind="stable")
     return np.stack([times[kept], values[kept]], axis=1)[order]
 
 
-def _dead_zone_log(
-    bag: RawBag, telemetry: FloatArray, receive_clock: FloatArray, origin: float
-) -> tuple[FloatArray, int, float]:
+def _dead_zone_log(bag: RawBag, source: Topic, clock: _Clock) -> tuple[FloatArray, int, float]:
     """Return dead zones over time, number of reconfigurations and pitch."""
-
-    def times(stamps: list[int], received: list[int]) -> FloatArray:
-        return on_telemetry_clock(stamps, received, telemetry, receive_clock, origin)
-
     changes, reconfigurations = np.empty((0, 2)), 0
     pitch = LeadScrewParameters().pitch
-    namespace = bag.topics[TELEMETRY].namespace
+    namespace = bag.topics[source].namespace
     raw = bag.topics.get(PARAMETER_EVENTS)
     if raw is not None:
         events = decode(bag.path, raw)
@@ -224,13 +274,15 @@ def _dead_zone_log(
         log = parameter_changes(bag.path, events, raw.received, namespace)
         reconfigurations = sum(not change.initial for change in log)
         if log:
-            when = times([change.stamp for change in log], [change.received for change in log])
+            when = clock.times(
+                [change.stamp for change in log], [change.received for change in log]
+            )
             changes = np.stack([when, [change.value for change in log]], axis=1)
     raw = bag.topics.get(DIAGNOSTICS)
     if raw is not None and (not len(changes) or not log[0].initial):
         # Parameter events are volatile: a recorder that came late has missed the first value.
         seen = diagnosed_dead_zones(decode(bag.path, raw), raw.received, namespace)
-        when = times([0] * len(seen), [received for received, _ in seen])
+        when = clock.times([0] * len(seen), [received for received, _ in seen])
         rows = np.array([(t, value) for t, (_, value) in zip(when, seen, strict=True)])
         rows = rows.reshape(-1, 2)
         if len(changes):

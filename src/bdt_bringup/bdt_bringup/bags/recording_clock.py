@@ -1,12 +1,14 @@
 """Clocks of a recording: stamps, receive times, and one as the other."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_bringup.bags.bag_reader import BagError, RawBag
-from bdt_msgs_py.topics import MEASUREMENT, TELEMETRY, Topic
+from bdt_bringup.bags.bag_error import BagError
+from bdt_bringup.bags.bag_reader import RawBag
+from bdt_msgs_py.topics import Topic
 
 FloatArray = NDArray[np.float64]
 
@@ -17,8 +19,31 @@ _OTHER_CLOCK = 1e7
 """A stamp this far [s] from the telemetry was not taken from the same clock."""
 
 
-def header_stamps(bag: RawBag, topic: Topic, origin: float) -> FloatArray:
-    """Return the header stamps of a topic without decoding its messages: there are 60 000 a run.
+class MessageTimes(NamedTuple):
+    """When the messages of a topic were stamped and received, in the order of the bag.
+
+    Attributes
+    ----------
+    stamps : ndarray, shape (k,)
+        Stamps, or times of the newest sample in the message [s], on the clock of the telemetry.
+    received : ndarray, shape (k,)
+        Receive times [s] since the first message of the bag that was read.
+    """
+
+    stamps: FloatArray
+    received: FloatArray
+
+
+NO_MESSAGES = MessageTimes(np.empty(0), np.empty(0))
+
+
+def first_reception(bag: RawBag) -> int:
+    """Return the earliest receive time [ns]."""
+    return min(min(raw.received) for raw in bag.topics.values())
+
+
+def message_times(bag: RawBag, topic: Topic, origin: float, begin: int) -> MessageTimes:
+    """Return the times of a topic without decoding its messages: there are 60 000 a run.
 
     Parameters
     ----------
@@ -27,12 +52,9 @@ def header_stamps(bag: RawBag, topic: Topic, origin: float) -> FloatArray:
     topic : Topic
         A topic whose messages begin with a ``std_msgs/Header``.
     origin : float
-        Time [s] that is subtracted.
-
-    Returns
-    -------
-    ndarray, shape (k,)
-        Stamps [s] in the order of the bag; empty without the topic.
+        Time [s] that is subtracted from the stamps.
+    begin : int
+        Receive time [ns] that is subtracted from the receive times.
 
     Raises
     ------
@@ -40,8 +62,8 @@ def header_stamps(bag: RawBag, topic: Topic, origin: float) -> FloatArray:
         If a message is too short for a header.
     """
     raw = bag.topics.get(topic)
-    if raw is None or not raw.data:
-        return np.empty(0)
+    if raw is None:
+        return NO_MESSAGES
     if min(map(len, raw.data)) < 12:
         raise BagError(f"bag {bag.path}: a message of {raw.name} is damaged: it has no header")
     # CDR: four bytes of encapsulation, the second one tells the byte order; then the stamp.
@@ -50,47 +72,44 @@ def header_stamps(bag: RawBag, topic: Topic, origin: float) -> FloatArray:
     little = np.frombuffer(joined, np.dtype([("sec", "<i4"), ("nanosec", "<u4")]))
     big = np.frombuffer(joined, np.dtype([("sec", ">i4"), ("nanosec", ">u4")]))
     seconds = np.where(order, little["sec"], big["sec"]).astype(np.float64)
-    return seconds - origin + np.where(order, little["nanosec"], big["nanosec"]) / 1e9
+    stamps = seconds - origin + np.where(order, little["nanosec"], big["nanosec"]) / 1e9
+    return MessageTimes(stamps, since(raw.received, begin))
 
 
-def reception_clock(
-    bag: RawBag, batches: list[FloatArray], measurement_stamps: FloatArray, origin: float
-) -> FloatArray:
-    """Return which time of the data was received when.
+def batch_times(
+    bag: RawBag, topic: Topic, batches: Sequence[FloatArray], origin: float, begin: int
+) -> MessageTimes:
+    """Return the times of messages that hold rows; a message without any has none.
 
     Parameters
     ----------
     bag : RawBag
         The bag.
-    batches : list of ndarray, shape (n, 3)
-        Rows of each telemetry message; they serve when there are no measurements.
-    measurement_stamps : ndarray, shape (k,)
-        Stamps of the measurements [s], less `origin`.
-    origin : float
-        Time [s] that is subtracted from the data.
-
-    Returns
-    -------
-    ndarray, shape (j, 2)
-        Rows of (receive time [s], time of the data [s]) in the order of reception.
+    topic : Topic
+        Where the batches come from.
+    batches : sequence of ndarray, shape (n, c)
+        Rows of each message, which begin with the time [s].
+    origin, begin
+        See :func:`message_times`.
     """
-    if len(measurement_stamps):
-        received, times = bag.topics[MEASUREMENT].received, measurement_stamps
-    else:
-        pairs = zip(bag.topics[TELEMETRY].received, batches, strict=True)
-        ends = [(r, batch[-1, 0]) for r, batch in pairs if len(batch)]
-        ends = [(r, end) for r, end in ends if abs(end) < LARGEST_TIME]
-        received, times = [r for r, _ in ends], np.array([end for _, end in ends]) - origin
-    clock = np.stack([np.array(received, dtype=np.int64) / 1e9, times], axis=1)
-    return clock[np.argsort(clock[:, 0], kind="stable")]
+    received = since(bag.topics[topic].received, begin)
+    ends = np.array([batch[-1, 0] if len(batch) else np.nan for batch in batches])
+    known = np.abs(ends) < LARGEST_TIME
+    return MessageTimes(ends[known] - origin, received[known])
+
+
+def since(received: Sequence[int], begin: int) -> FloatArray:
+    """Return receive times [ns] as seconds since `begin` [ns], exactly to the nanosecond."""
+    return np.array([time - begin for time in received], dtype=np.float64) / 1e9
 
 
 def on_telemetry_clock(
     stamps: Sequence[int],
     received: Sequence[int],
     telemetry: FloatArray,
-    receive_clock: FloatArray,
+    receive_clock: MessageTimes,
     origin: float,
+    begin: int,
 ) -> FloatArray:
     """Return stamps as times of the telemetry.
 
@@ -103,10 +122,10 @@ def on_telemetry_clock(
         Stamps and receive times [ns] of the same messages.
     telemetry : ndarray, shape (n, 3)
         Rows of (t [s], u [V], q3 [m]), t less `origin`.
-    receive_clock : ndarray, shape (j, 2)
-        From :func:`reception_clock`.
-    origin : float
-        Time [s] that is subtracted.
+    receive_clock : MessageTimes
+        Which time of the data was received when.
+    origin, begin
+        See :func:`message_times`.
 
     Returns
     -------
@@ -117,8 +136,9 @@ def on_telemetry_clock(
     times = (raw - np.int64(origin) * 1_000_000_000) / 1e9
     foreign = np.abs(times - telemetry[0, 0]) > _OTHER_CLOCK
     foreign |= (raw == 0) & (np.arange(raw.size) > 0)
-    if foreign.any() and len(receive_clock):
-        arrivals = np.array(received, dtype=np.int64) / 1e9
-        mapped = np.interp(arrivals, receive_clock[:, 0], receive_clock[:, 1])
+    if foreign.any() and len(receive_clock.stamps):
+        order = np.argsort(receive_clock.received, kind="stable")
+        arrivals, clock = since(received, begin), receive_clock.received[order]
+        mapped = np.interp(arrivals, clock, receive_clock.stamps[order])
         times = np.where(foreign, mapped, times)
     return times

@@ -173,7 +173,7 @@ def estimator_vs_lfilter(size: BenchmarkSize) -> list[BenchmarkResult]:
 
     def estimate() -> None:
         estimator.restart()
-        estimator.update(voltage, position)
+        estimator.estimates(voltage, position)
 
     def bare() -> None:
         lfilter(*motor, voltage)

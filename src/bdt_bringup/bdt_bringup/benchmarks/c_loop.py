@@ -71,7 +71,8 @@ def c_loop_call(
     signals : tuple of ndarray, each of shape (samples,)
         Written: the signals ``KEPT``.
     """
-    coefficients = np.array(_flat(step))
+    motor, structure, contact, pitch, _friction = step.plant  # the C loop has no friction
+    coefficients = np.array(_flat((motor, structure, contact, pitch, step.pid)))
     arrays = (*inputs[:2], inputs.gaps[1:], *signals)
     steps = inputs.references.size
     numbers = (state.plant.contact, steps, signals[0].size // steps)

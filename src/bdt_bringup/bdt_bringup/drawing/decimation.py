@@ -5,6 +5,10 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
+SHORTEST_HOLE = 0.02
+"""Time [s] without samples up to which a line goes on: a sensor that drops single samples would
+otherwise cut it into as many pieces."""
+
 
 def envelope(
     time: FloatArray, value: FloatArray, columns: int, longest_gap: float = np.inf
@@ -51,6 +55,17 @@ def envelope(
         times.append(time[indices])
         values.append(value[indices])
     return np.concatenate(times), np.concatenate(values)
+
+
+def hole_length(sample_time: float) -> float:
+    """Return the time between two samples above which a line is interrupted [s].
+
+    Parameters
+    ----------
+    sample_time : float
+        Usual time between two samples [s].
+    """
+    return max(1.5 * sample_time, SHORTEST_HOLE)
 
 
 def _segments(

@@ -24,6 +24,8 @@ ALARM = "#f9dcd9"
 ALARM_INK = "#a3271c"
 BAND = "#f6e3d2"
 WINDOW = "#eef1f5"
+RUNS = ("#0b5cae", "#d2691f", "#1a8a5b", "#a3247a", "#8a7a00", "#5b4bb5")
+"""Colors of several runs; each differs from the colors above, so that the page can tell them."""
 
 _VARIABLES = {
     PAPER: "paper",
@@ -37,7 +39,7 @@ _VARIABLES = {
     ALARM_INK: "alarm-ink",
     BAND: "band",
     WINDOW: "window",
-}
+} | {color: f"run-{number}" for number, color in enumerate(RUNS, start=1)}
 """CSS variable of each color; the report defines them for light and dark."""
 
 _SETTINGS: dict[Any, Any] = {
@@ -133,3 +135,10 @@ def write_png(figure: Figure, path: Path, resolution: float = 150.0) -> None:
         metadata: dict[str, Any] = {"Software": None}
         FigureCanvasAgg(figure)
         figure.savefig(path, format="png", dpi=resolution, metadata=metadata)
+
+
+def write_svg(figure: Figure, path: Path) -> None:
+    """Write a figure as an SVG file that stands by itself, in the light colors."""
+    with house_style():
+        FigureCanvasSVG(figure)
+        figure.savefig(path, format="svg", metadata={"Date": None})

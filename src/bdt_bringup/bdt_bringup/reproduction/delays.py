@@ -1,17 +1,17 @@
 """The link between twin and controller: how much delay the reconfigurable controller bears."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from os import cpu_count
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from bdt_bringup.analysis.step_analysis import LIMIT_CYCLE
 from bdt_bringup.drawing import figure_style as style
 from bdt_bringup.reproduction.claims import LARGEST_BIAS, Claim
 from bdt_bringup.reproduction.experiments import Choices, reconfigured_experiment
+from bdt_twin.link import LinkSettings
 
 DELAYS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 3.0, 5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0, 25.0, 30.0)
 """Fixed delays [s]."""
@@ -87,12 +87,16 @@ def sweep_delays(
     """
 
     def fixed(delay: float) -> DelayOutcome:
-        return _outcome(choices, delay, delay)
+        return _outcome(choices, LinkSettings(communication_delay=delay))
 
     def random(seed: int) -> DelayOutcome:
-        draw = np.random.default_rng(seed)
-        mean = 0.5 * LONGEST_RANDOM
-        return _outcome(choices, mean, lambda: float(draw.uniform(0.0, LONGEST_RANDOM)))
+        link = LinkSettings(
+            communication_delay=0.5 * LONGEST_RANDOM,
+            delay_distribution="uniform",
+            delay_spread=1.0,
+            link_seed=seed,
+        )
+        return _outcome(choices, link)
 
     with ThreadPoolExecutor(cpu_count()) as pool:
         return DelaySweep(
@@ -209,10 +213,10 @@ def _percent(outcome: DelayOutcome) -> float:
     return outcome.worst_bias
 
 
-def _outcome(choices: Choices, delay: float, link: float | Callable[[], float]) -> DelayOutcome:
+def _outcome(choices: Choices, link: LinkSettings) -> DelayOutcome:
     run = reconfigured_experiment(choices, link)
     return DelayOutcome(
-        delay,
+        link.communication_delay,
         float(run.biases.max()),
         float(run.residuals.max()),
         int(run.limit_cycles.sum()),

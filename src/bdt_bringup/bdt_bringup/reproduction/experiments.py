@@ -1,7 +1,6 @@
 """The simulations behind figures 3, 4, 6 and 7, and what is found in each."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +17,7 @@ from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.plant import PlantModel
 from bdt_twin.dead_zone_width import tolerance_for_gap
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
+from bdt_twin.link import PAPER_LINK, LinkSettings
 
 FloatArray = NDArray[np.float64]
 
@@ -174,25 +174,24 @@ def constant_experiment(choices: Choices, dead_zone_gap: float) -> Experiment:
     return _experiment(choices, scenario, simulate(scenario, KEPT), dead_zones, np.empty((0, 2)))
 
 
-def reconfigured_experiment(
-    choices: Choices, delay: float | Callable[[], float] = 1.0
-) -> Experiment:
+def reconfigured_experiment(choices: Choices, link: LinkSettings = PAPER_LINK) -> Experiment:
     """Run the reconfigurable controller with the digital twin (figure 7).
 
     Parameters
     ----------
     choices : Choices
         What the paper leaves open.
-    delay : float or callable
-        Communication delay [s], or a function that draws one for each message.
+    link : LinkSettings
+        Delays on the way to the controller; 1 s by default.
     """
     scenario = choices.scenario()
-    run = simulate_with_twin(scenario, choices.settings(), delay, keep=KEPT)
+    estimator = InverseFilterEstimator(scenario.model, choices.settings())
+    run = simulate_with_twin(scenario, estimator, link, keep=KEPT)
     changed = np.flatnonzero(np.diff(run.tolerances, prepend=math.nan) != 0)
     dead_zones = np.stack(
         [changed / scenario.sampling.control_rate, run.tolerances[changed]], axis=1
     )
-    estimates = np.stack([run.estimate_times, run.estimates], axis=1)
+    estimates = np.stack([run.estimate_times, run.estimated_gaps], axis=1)
     return _experiment(choices, scenario, run.loop, dead_zones, estimates)
 
 
@@ -226,7 +225,7 @@ def post_processed_estimates(choices: Choices, loop: Trajectory) -> FloatArray:
     """
     settings = choices.settings()
     estimator = InverseFilterEstimator(choices.scenario().model, settings)
-    estimates = estimator.update(loop.u, loop.q3)
+    estimates = estimator.estimates(loop.u, loop.q3)
     rows = [(e.sample / settings.sampling_rate - 0.5 * settings.window, e.gap) for e in estimates]
     return np.array(rows).reshape(-1, 2)
 

@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
+from rclpy.signals import uninstall_signal_handlers
 from rosbags.interfaces import (
     Qos,
     QosDurability,
@@ -28,6 +30,7 @@ from sensor_msgs.msg import TimeReference
 from std_msgs.msg import Float64MultiArray
 
 from bdt_bringup.running.recorder_settings import PARAMETERS
+from bdt_bringup.running.stop_signals import StopSignals
 from bdt_msgs_py.node_main import run_node
 from bdt_msgs_py.node_parameters import ConfigurationError, declare_all, gone_if_refused
 from bdt_msgs_py.qos import qos_profile
@@ -45,6 +48,9 @@ from bdt_msgs_py.topics import (
 from bdt_msgs_py.writing import progress
 
 RECORDER_NODE = "recorder"
+STROKE = 0.005
+"""Wall time [s] between two looks at what has arrived."""
+
 HISTORY = 10_000
 """Messages a subscription may hold back while the recorder is busy."""
 
@@ -66,6 +72,7 @@ class RecorderNode(Node):
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(RECORDER_NODE, **node_arguments)
         self._recording = False
+        self.messages = 0
         (settings,) = declare_all(self, PARAMETERS)
         plugin = StoragePlugin.MCAP if settings.storage == "mcap" else StoragePlugin.SQLITE3
         with gone_if_refused(self):
@@ -96,10 +103,12 @@ class RecorderNode(Node):
         package, _, name = topic.message_type.split("/")
         message_type = getattr(import_module(f"{package}.msg"), name)
 
-        def record(data: bytes) -> None:
+        def record(data: bytes, info: dict[str, int]) -> None:
             if not self._recording:
                 return
-            self._writer.write(connection, time.time_ns(), data)
+            self.messages += 1
+            # A middleware that does not know when a message came says 0.
+            self._writer.write(connection, info["received_timestamp"] or time.time_ns(), data)
             if topic is TELEMETRY:
                 self._note_telemetry(data)
 
@@ -147,9 +156,34 @@ def _recorded_qos(topic: Topic) -> Qos:
     )
 
 
+def record_in_strokes(executor: SingleThreadedExecutor, node: RecorderNode) -> None:
+    """Record until a signal comes, and then what has arrived before it.
+
+    An executor that waits is woken by every message, twice in a control period, and on a small
+    computer each time in the way of the controller. Here messages gather while nobody waits.
+
+    Parameters
+    ----------
+    executor : SingleThreadedExecutor
+        Executor that has the node.
+    node : RecorderNode
+        The recorder.
+    """
+    uninstall_signal_handlers()
+    with StopSignals() as signals:
+        while True:
+            stopping, taken = signals.requested, node.messages
+            executor.spin_once(timeout_sec=0.0)
+            if node.messages > taken:
+                continue
+            if stopping:
+                return
+            time.sleep(STROKE)
+
+
 def main(args: list[str] | None = None) -> None:
     """Run the recorder node; the console script ``recorder_node``."""
-    sys.exit(run_node(RecorderNode, args))
+    sys.exit(run_node(RecorderNode, args, spin=record_in_strokes))
 
 
 if __name__ == "__main__":

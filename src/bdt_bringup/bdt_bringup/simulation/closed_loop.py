@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_bringup.simulation.loop_kernel import (
+    IDEAL,
     SIMULATED,
     LoopInputs,
+    LoopState,
     LoopStep,
     allocate,
     compiled_loop,
@@ -21,8 +23,10 @@ from bdt_bringup.simulation.loop_kernel import (
 )
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import Reference, reference_at
+from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters
 from bdt_plant.gap_profile import GapProfile, gaps_at
 from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, noise_sequence
 
 FloatArray = NDArray[np.float64]
 Signal = float | FloatArray | Callable[[float], float]
@@ -51,6 +55,12 @@ class Scenario:
         Gains of eq. 4.
     sampling : Sampling
         Rates.
+    sensor : SensorParameters
+        Sensor of platform 3; the controller sees its readings.
+    actuator : ActuatorParameters
+        Amplifier of the motor.
+    voltage_limit : float
+        Largest voltage that the controller commands [V]; 0 for no limit.
 
     Notes
     -----
@@ -64,6 +74,9 @@ class Scenario:
     model: PlantModel = field(default_factory=PlantModel)
     gains: PidGains = field(default_factory=PidGains)
     sampling: Sampling = field(default_factory=Sampling)
+    sensor: SensorParameters = IDEAL_SENSOR
+    actuator: ActuatorParameters = IDEAL_ACTUATOR
+    voltage_limit: float = 0.0
 
     def __post_init__(self) -> None:
         if self.control_steps < 1:
@@ -102,6 +115,8 @@ class Trajectory:
         Position of the lead screw's end (eq. 1) and of platform 1, which follows it [m].
     q2, q3 : ndarray
         Positions of platforms 2 and 3 [m].
+    measured : ndarray
+        Position q3 as the sensor reads it [m].
     """
 
     t: FloatArray
@@ -115,6 +130,7 @@ class Trajectory:
     q1: FloatArray
     q2: FloatArray
     q3: FloatArray
+    measured: FloatArray
 
 
 def simulate(scenario: Scenario, keep: Sequence[str] = SIGNALS) -> Trajectory:
@@ -180,19 +196,29 @@ def sample_inputs(scenario: Scenario) -> LoopInputs:
         _sampled("reference", scenario.reference, steps, hold, rate),
         _sampled("dead_zone", scenario.dead_zone, steps, hold, rate),
         _sampled("gap", scenario.gap, samples + 1, 1, rate),
+        IDEAL if scenario.sensor.is_ideal else noise_sequence(scenario.sensor, 0, samples),
     )
 
 
 def loop_step(scenario: Scenario) -> LoopStep:
     """Return the discrete models of a scenario."""
-    return discretize_loop(scenario.model, scenario.gains, scenario.sampling)
+    return discretize_loop(scenario.model, scenario.gains, scenario.sampling)._replace(
+        command_limit=float(scenario.voltage_limit),
+        actuator_limit=scenario.actuator.limit,
+        quantization=float(scenario.sensor.quantization),
+    )
+
+
+def initial_state(scenario: Scenario, inputs: LoopInputs) -> LoopState:
+    """Return the state in which a scenario begins."""
+    return loop_at_rest(float(inputs.gaps[0]), scenario.sensor, scenario.sampling.sampling_rate)
 
 
 def _simulate(
     scenario: Scenario, step: LoopStep, inputs: LoopInputs, keep: Sequence[str]
 ) -> Trajectory:
     signals = signals_for(scenario, keep)
-    run_kernel(loop_at_rest(float(inputs.gaps[0])), step, inputs, signals)
+    run_kernel(initial_state(scenario, inputs), step, inputs, signals)
     return trajectory_of(scenario, inputs, signals, keep)
 
 

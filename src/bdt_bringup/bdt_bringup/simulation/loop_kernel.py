@@ -1,12 +1,13 @@
 """The control loop as one numba kernel, made of the very step functions that the nodes call.
 
 Nothing of the paper is written here a second time. The steps of plant (eqs 1, 2, 3, 6) and
-controller (eqs 4, 5, 7, 8) are compiled from outside, so the cores know nothing of numba, and
-the kernel gives the floats of the plain Python loop, bit for bit.
+controller (eqs 4, 5, 7, 8), of sensor and actuator are compiled from outside, so the cores know
+nothing of numba, and the kernel gives the floats of the plain Python loop, bit for bit.
 """
 
 import hashlib
 import inspect
+import math
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache, lru_cache
@@ -19,8 +20,9 @@ from numba.extending import register_jitable
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
-from bdt_controller.dead_zone import dead_zone_pid_step
 from bdt_controller.pid import INITIAL_PID, PidGains, PidState, PidStep, discretize_pid
+from bdt_controller.voltage_limit import limited_pid_step
+from bdt_plant.actuator import saturated
 from bdt_plant.lead_screw import contact_side
 from bdt_plant.plant import (
     AT_REST,
@@ -31,25 +33,67 @@ from bdt_plant.plant import (
     discretize_plant,
     plant_step,
 )
+from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, delay_line, delayed, sensor_reading
 
 FloatArray = NDArray[np.float64]
 
-SIMULATED = ("u", "current", "omega_m", "theta_m", "theta_d", "q2", "q3")
+SIMULATED = ("u", "current", "omega_m", "theta_m", "theta_d", "q2", "q3", "measured")
 """Signals that the kernel writes, in its order."""
 
 
+class SensorState(NamedTuple):
+    """State of the sensor between two control periods.
+
+    Attributes
+    ----------
+    sample : int
+        Number of the next sample.
+    reading : float
+        Reading of the sample before [m].
+    line : ndarray, shape (samples of delay,)
+        Positions not yet read [m].
+    """
+
+    sample: int
+    reading: float
+    line: FloatArray
+
+
 class LoopState(NamedTuple):
-    """State of plant and controller between two control periods."""
+    """State of plant, controller and sensor between two control periods."""
 
     plant: PlantState
     pid: PidState
+    sensor: SensorState
 
 
 class LoopStep(NamedTuple):
-    """Discrete models of plant and controller."""
+    """Discrete models of plant and controller, and what limits them.
+
+    Attributes
+    ----------
+    plant : PlantStep
+        Plant.
+    pid : PidStep
+        Controller.
+    command_limit : float
+        Voltage limit of the controller [V]; 0 for none.
+    actuator_limit : float
+        Voltage limit of the actuator [V]; infinite for none.
+    quantization : float
+        Quantization of the sensor [m]; 0 for none.
+    """
 
     plant: PlantStep
     pid: PidStep
+    command_limit: float = 0.0
+    actuator_limit: float = math.inf
+    quantization: float = 0.0
+
+
+IDEAL = np.empty(0)
+IDEAL.flags.writeable = False
+"""Noise of the ideal sensor, which has none."""
 
 
 class LoopInputs(NamedTuple):
@@ -61,11 +105,25 @@ class LoopInputs(NamedTuple):
         Reference r and dead-zone tolerance epsilon_dz at each measurement [m].
     gaps : ndarray, shape (samples + 1,)
         Gap theta_b at each sample and at the end of the last one [rad].
+    noises : ndarray, shape (samples,)
+        Noise of the sensor at each sample [m], NaN where a sample is dropped; empty for a sensor
+        that is ideal and reads the true position.
     """
 
     references: FloatArray
     tolerances: FloatArray
     gaps: FloatArray
+    noises: FloatArray = IDEAL
+
+    def stretch(self, first: int, last: int) -> "LoopInputs":
+        """Return what acts on the loop from measurement `first` to before measurement `last`."""
+        hold = (self.gaps.size - 1) // self.references.size
+        return LoopInputs(
+            self.references[first:last],
+            self.tolerances[first:last],
+            self.gaps[first * hold : last * hold + 1],
+            self.noises[first * hold : last * hold],
+        )
 
 
 # The matrix exponentials take as long as ten seconds of the loop, and sweeps share them.
@@ -78,10 +136,22 @@ def discretize_loop(model: PlantModel, gains: PidGains, sampling: Sampling) -> L
     return LoopStep(plant._replace(pitch=float(plant.pitch)), PidStep(*map(float, pid)))
 
 
-def loop_at_rest(gap: float) -> LoopState:
-    """Return the state in which a new plant and a new controller begin, for a first gap [rad]."""
-    contact = contact_side(0.0, 0.0, gap)
-    return LoopState(AT_REST._replace(contact=contact), INITIAL_PID)
+def loop_at_rest(
+    gap: float, sensor: SensorParameters = IDEAL_SENSOR, sampling_rate: float = 1.0
+) -> LoopState:
+    """Return the state in which new plant, controller and sensor begin.
+
+    Parameters
+    ----------
+    gap : float
+        First gap [rad].
+    sensor : SensorParameters
+        The sensor.
+    sampling_rate : float
+        Samples per second [Hz]; of no account for a sensor without delay.
+    """
+    plant = AT_REST._replace(contact=contact_side(0.0, 0.0, gap))
+    return LoopState(plant, INITIAL_PID, SensorState(0, 0.0, delay_line(sensor, sampling_rate)))
 
 
 def allocate(samples: int, keep: Collection[str] = SIMULATED) -> tuple[FloatArray, ...]:
@@ -129,10 +199,15 @@ def run_kernel(
     return result
 
 
+COMPILED = (plant_step, limited_pid_step, saturated, delayed, sensor_reading)
+"""Step functions of the cores that the kernel calls."""
+
+
 @cache
 def compiled_loop() -> Any:
     """Return the compiled loop, from numba's cache if there is one of these very sources."""
-    return _compile_loop(_source_hash(_compilable(plant_step) | _compilable(dead_zone_pid_step)))
+    files = [_compilable(function) for function in COMPILED]
+    return _compile_loop(_source_hash(frozenset().union(*files)))
 
 
 @cache
@@ -167,6 +242,7 @@ def _compile_loop(sources: str) -> Any:
         references: FloatArray,
         tolerances: FloatArray,
         gaps: FloatArray,
+        noises: FloatArray,
         u: FloatArray,
         current: FloatArray,
         omega_m: FloatArray,
@@ -174,14 +250,27 @@ def _compile_loop(sources: str) -> Any:
         theta_d: FloatArray,
         q2: FloatArray,
         q3: FloatArray,
+        measured: FloatArray,
     ) -> LoopState:
         _ = sources
-        plant, pid = state
+        plant, pid, sensor = state
+        begin, reading, line = sensor.sample, sensor.reading, sensor.line.copy()
         hold = (gaps.size - 1) // references.size
+        voltage = 0.0
         for k in range(references.size):
-            error = references[k] - plant.structure.q3
-            pid, voltage = dead_zone_pid_step(pid, error, tolerances[k], step.pid)
             for sample in range(k * hold, (k + 1) * hold):
+                position = plant.structure.q3
+                if noises.size > 0:
+                    position = delayed(line, begin + sample, position)
+                    reading = sensor_reading(position, noises[sample], reading, step.quantization)
+                else:
+                    reading = position
+                if sample == k * hold:
+                    error = references[k] - reading
+                    pid, voltage = limited_pid_step(
+                        pid, error, tolerances[k], step.pid, step.command_limit
+                    )
+                    voltage = saturated(voltage, step.actuator_limit)
                 u[sample] = voltage
                 current[sample] = plant.motor.current
                 omega_m[sample] = plant.motor.speed
@@ -189,8 +278,9 @@ def _compile_loop(sources: str) -> Any:
                 theta_d[sample] = plant.theta_d
                 q2[sample] = plant.structure.q2
                 q3[sample] = plant.structure.q3
+                measured[sample] = reading
                 plant = plant_step(plant, voltage, gaps[sample + 1], step.plant)
-        return LoopState(plant, pid)
+        return LoopState(plant, pid, SensorState(begin + u.size, reading, line))
 
     with _rows_in_vectors():
         return njit([signature], cache=True, nogil=True)(closed_loop)

@@ -4,7 +4,7 @@ The compiled loop runs from one batch of telemetry to the next. Whatever the twi
 after the batch behind it, so the dead zone of the next stretch is known before it is computed.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,16 +14,19 @@ from bdt_bringup.simulation.closed_loop import (
     SIGNALS,
     Scenario,
     Trajectory,
+    initial_state,
     loop_step,
     sample_inputs,
     signals_for,
     trajectory_of,
 )
-from bdt_bringup.simulation.loop_kernel import SIMULATED, LoopInputs, loop_at_rest, run_kernel
+from bdt_bringup.simulation.loop_kernel import SIMULATED, run_kernel
 from bdt_msgs_py.reading import nanoseconds_from_seconds
-from bdt_twin.dead_zone_width import tolerance_for_gap
+from bdt_twin.dead_zone_width import EQUATION_9, DeadZoneRule, DeadZoneSettings
+from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
-from bdt_twin.link import DelayedLink
+from bdt_twin.link import PAPER_LINK, DelayedLink, LinkSettings
+from bdt_twin.reconfiguration import Reconfigurator
 
 FloatArray = NDArray[np.float64]
 
@@ -38,22 +41,30 @@ class TwinTrajectory:
         Signals of the loop.
     tolerances : ndarray, shape (control steps,)
         Dead-zone tolerance epsilon_dz in force at each measurement [m].
-    estimate_times : ndarray, shape (m,)
-        Times of the estimates: ends of the update periods behind them [s].
-    estimates : ndarray, shape (m,)
-        Estimated gaps theta_b [rad].
+    estimates : tuple of Estimate
+        What the estimator said.
     """
 
     loop: Trajectory
     tolerances: FloatArray
-    estimate_times: FloatArray
-    estimates: FloatArray
+    estimates: tuple[Estimate, ...]
+
+    @property
+    def estimate_times(self) -> FloatArray:
+        """Times for which the gap is stated [s], shape (m,)."""
+        return np.array([estimate.time for estimate in self.estimates])
+
+    @property
+    def estimated_gaps(self) -> FloatArray:
+        """Estimated gaps theta_b [rad], shape (m,)."""
+        return np.array([estimate.gap for estimate in self.estimates])
 
 
 def simulate_with_twin(
     scenario: Scenario,
-    settings: InverseFilterSettings | None = None,
-    delay: float | Callable[[], float] = 1.0,
+    estimator: Estimator | None = None,
+    link: LinkSettings = PAPER_LINK,
+    dead_zone: DeadZoneSettings = EQUATION_9,
     telemetry_period: float = 0.1,
     keep: Sequence[str] = SIGNALS,
 ) -> TwinTrajectory:
@@ -63,15 +74,16 @@ def simulate_with_twin(
     ----------
     scenario : Scenario
         The loop; its dead zone holds until the first reconfiguration arrives.
-    settings : InverseFilterSettings, optional
-        Settings of the estimator; None for the paper's at the scenario's sampling rate.
-    delay : float or callable
-        Communication delay [s], or a function without arguments that draws one for each
-        reconfiguration.
+    estimator : Estimator, optional
+        Fresh estimator; None for the paper's, with the scenario's model and sampling rate.
+    link : LinkSettings
+        Delays and losses on the way to the controller; 1 s by default.
+    dead_zone : DeadZoneSettings
+        Width for an estimate; eq. 9 by default.
     telemetry_period : float
         Time covered by one batch of telemetry [s], rounded to whole control periods.
     keep : sequence of str
-        Signals of the loop to keep, out of ``SIGNALS``; u and q3 are always kept.
+        Signals of the loop to keep, out of ``SIGNALS``; u and measured are always kept.
 
     Returns
     -------
@@ -80,11 +92,15 @@ def simulate_with_twin(
     """
     sampling = scenario.sampling
     rate, hold = sampling.sampling_rate, sampling.samples_per_control_step
-    keep = (*keep, "u", "q3")
+    keep = (*keep, "u", "measured")
     inputs, signals = sample_inputs(scenario), signals_for(scenario, keep)
-    u, q3 = (signals[SIMULATED.index(name)] for name in ("u", "q3"))
-    step, state = loop_step(scenario), loop_at_rest(float(inputs.gaps[0]))
-    twin = _Twin(scenario, settings or InverseFilterSettings(sampling_rate=rate), delay)
+    u, measured = (signals[SIMULATED.index(name)] for name in ("u", "measured"))
+    step, state = loop_step(scenario), initial_state(scenario, inputs)
+    if estimator is None:
+        settings = InverseFilterSettings(sampling_rate=rate)
+        estimator = InverseFilterEstimator(scenario.model, settings)
+    rule = DeadZoneRule(dead_zone, scenario.model.lead_screw.pitch)
+    twin = _Twin(estimator, rule, DelayedLink(link))
 
     tolerances = inputs.tolerances.copy()
     stamps = np.rint(np.arange(scenario.control_steps) * hold * 1e9 / rate).astype(np.int64)
@@ -93,39 +109,23 @@ def simulate_with_twin(
         steps = slice(first, min(first + batch, scenario.control_steps))
         samples = slice(steps.start * hold, steps.stop * hold)
         twin.set_dead_zones(stamps[steps], tolerances[steps])
-        stretch = LoopInputs(
-            inputs.references[steps],
-            tolerances[steps],
-            inputs.gaps[samples.start : samples.stop + 1],
-        )
+        stretch = inputs.stretch(steps.start, steps.stop)._replace(tolerances=tolerances[steps])
         state = run_kernel(state, step, stretch, tuple(signal[samples] for signal in signals))
-        twin.take_telemetry((samples.stop - 1) / rate, u[samples], q3[samples])
+        times = np.arange(samples.start, samples.stop) / rate
+        twin.take_telemetry(np.column_stack([times, u[samples], measured[samples]]))
     return TwinTrajectory(
-        trajectory_of(scenario, inputs, signals, keep),
-        tolerances,
-        np.array(twin.estimate_times),
-        np.array(twin.estimates),
+        trajectory_of(scenario, inputs, signals, keep), tolerances, tuple(twin.estimates)
     )
 
 
 class _Twin:
-    """Estimator and link, as the twin's node puts them together."""
+    """Estimator, link and dead zone, as the twin's node puts them together."""
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        settings: InverseFilterSettings,
-        delay: float | Callable[[], float],
-    ) -> None:
-        self._rate = settings.sampling_rate
-        self._pitch = scenario.model.lead_screw.pitch
-        self._estimator = InverseFilterEstimator(scenario.model, settings)
-        # The delay may differ from message to message, so it is added to the time of sending.
-        self._link = DelayedLink(0.0)
-        self._delay = delay if callable(delay) else lambda: delay
+    def __init__(self, estimator: Estimator, rule: DeadZoneRule, link: DelayedLink) -> None:
+        self._estimator = estimator
+        self._reconfigurator = Reconfigurator(rule, link)
         self._in_force: float | None = None
-        self.estimate_times: list[float] = []
-        self.estimates: list[float] = []
+        self.estimates: list[Estimate] = []
 
     def set_dead_zones(self, stamps: NDArray[np.int64], tolerances: FloatArray) -> None:
         """Set the tolerances in force at the next measurements.
@@ -139,20 +139,16 @@ class _Twin:
         """
         if self._in_force is not None:
             tolerances[:] = self._in_force
-        while (due := self._link.next_due()) is not None and due <= stamps[-1]:
+        while (due := self._reconfigurator.next_due()) is not None and due <= stamps[-1]:
             first = int(np.searchsorted(stamps, due))
-            arrived = self._link.deliver(int(stamps[first]))
+            arrived = self._reconfigurator.deliver(int(stamps[first]))
             if arrived is not None:
                 self._in_force = arrived.tolerance
                 tolerances[first:] = self._in_force
 
-    def take_telemetry(self, newest: float, voltage: FloatArray, position: FloatArray) -> None:
-        """Estimate from a batch whose last sample has the time `newest` [s], and send (eq. 9)."""
-        estimates = self._estimator.update(voltage, position)
-        for estimate in estimates:
-            self.estimate_times.append(estimate.sample / self._rate)
-            self.estimates.append(estimate.gap)
-        if estimates:
-            sent = nanoseconds_from_seconds(newest) + round(self._delay() * 1e9)
-            stamp = round(estimates[-1].sample * 1e9 / self._rate)
-            self._link.send(sent, stamp, tolerance_for_gap(estimates[-1].gap, self._pitch))
+    def take_telemetry(self, rows: FloatArray) -> None:
+        """Estimate from the rows (t [s], u [V], q3 [m]) of a batch, and send (eq. 9)."""
+        estimate = self._estimator.update(rows)
+        if estimate is not None:
+            self.estimates.append(estimate)
+            self._reconfigurator.send(estimate, nanoseconds_from_seconds(rows[-1, 0]))

@@ -1,0 +1,246 @@
+"""The signals of a run as curves of the interactive plots, decimated without losing an extreme."""
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_bringup.analysis.figures import residual_limit
+from bdt_bringup.analysis.reference_steps import ReferenceStep
+from bdt_bringup.drawing.curves import Panel, Series
+from bdt_bringup.drawing.decimation import envelope, hole_length
+from bdt_bringup.run_signals import RunSignals
+
+FloatArray = NDArray[np.float64]
+
+STRETCHES = 60_000
+"""Stretches of time of which a page holds first, smallest, largest and last sample: 2 ms of the
+paper's 120 s, one control period. Half as many, or a quarter, when that is too many points."""
+
+MOST_POINTS = 450_000
+"""Points of all curves together that a page may hold: less than 2.5 MB of it, also for noise."""
+
+FEWEST_STRETCHES = 2_000
+"""Stretches that are held in any case."""
+
+COVERAGE = 2.0
+"""Half width of the band around the estimate, in standard uncertainties: about 95 %."""
+
+SAME_POSITION = 1e-9
+"""Difference [m] up to which the true position is the measured one."""
+
+TRUE_GAP, TRUE_Q3 = 3, 6
+"""Columns of the truth."""
+
+
+def panels(run: RunSignals, steps: list[ReferenceStep]) -> list[Panel]:
+    """Return the plots of a run from top to bottom.
+
+    The panel of the error begins at the scale of what is left at the end of a step.
+
+    Parameters
+    ----------
+    run : RunSignals
+        The run.
+    steps : list of ReferenceStep
+        Its steps.
+    """
+    judged = [step for step in steps if not step.cut]
+    limit = 1e6 * residual_limit(run, judged)
+    return [
+        Panel("position", "position", "mm"),
+        Panel("error", "error q3 − r", "µm", (-limit, limit)),  # noqa: RUF001 - a minus sign
+        Panel("voltage", "voltage u", "V"),
+        Panel("gap", "gap", "deg"),
+    ]
+
+
+def run_series(
+    run: RunSignals, steps: list[ReferenceStep], most_points: int = MOST_POINTS
+) -> list[Series]:
+    """Return the curves of a run.
+
+    Parameters
+    ----------
+    run : RunSignals
+        The run.
+    steps : list of ReferenceStep
+        Its steps.
+    most_points : int
+        Number of points that all curves may have together.
+
+    Returns
+    -------
+    list of Series
+        In the order in which they are drawn. A curve without data is left out; the true position
+        as well when the measured one is the same.
+    """
+    stretches = STRETCHES
+    while True:
+        series = _series(run, steps, _Decimation(stretches))
+        if sum(curve.time.size for curve in series) <= most_points or stretches <= FEWEST_STRETCHES:
+            return series
+        stretches //= 2
+
+
+def _series(run: RunSignals, steps: list[ReferenceStep], measured: "_Decimation") -> list[Series]:
+    time, voltage, q3 = run.telemetry.T
+    reference = _reference(steps, time)
+    degrees = float(np.rad2deg(1.0))
+    curves = [
+        *_dead_zone_band(run),
+        measured.series("position", "position q3", "position", time, 1e3 * q3),
+        measured.series("error", "q3 − r", "position", time, 1e6 * (q3 - reference)),  # noqa: RUF001
+        measured.series("voltage", "voltage u", "ink", time, voltage),
+    ]
+    if run.truth is not None:
+        curves += _truth(run, run.truth, steps, measured)
+    curves += [
+        *_reference_levels(steps),
+        *_uncertainty_band(run),
+        _held(run, run.estimates, degrees, panel="gap", name="estimated gap", color="estimate"),
+        _held(
+            run,
+            run.dead_zones,
+            degrees / run.pitch,
+            panel="gap",
+            name="dead zone ε/p",
+            color="dead-zone",
+            dash="dash",
+        ),
+    ]
+    return [curve for curve in curves if curve.time.size]
+
+
+class _Decimation:
+    """Makes curves of samples, with the extremes of stretches of time."""
+
+    def __init__(self, stretches: int) -> None:
+        self._stretches = stretches
+
+    def series(
+        self, panel: str, name: str, color: str, time: FloatArray, value: FloatArray
+    ) -> Series:
+        known = np.isfinite(value)
+        time, value = time[known], value[known]
+        if time.size < 2:
+            return Series(panel=panel, name=name, color=color, time=time, value=value)
+        hole = hole_length(float(np.median(np.diff(time))))
+        times, values = envelope(time, value, self._stretches, hole)
+        whole = times.size >= time.size
+        return Series(
+            panel=panel,
+            name=name,
+            color=color,
+            time=times,
+            value=values,
+            samples=time.size,
+            stretch=None if whole else float(time[-1] - time[0]) / self._stretches,
+        )
+
+
+def _truth(
+    run: RunSignals, truth: FloatArray, steps: list[ReferenceStep], decimation: _Decimation
+) -> list[Series]:
+    """Return the true gap, and the true position where the measured one differs."""
+    time = truth[:, 0]
+    gap = decimation.series("gap", "true gap", "faint", time, np.rad2deg(truth[:, TRUE_GAP]))
+    curves = [replace(gap, width=3.0)]
+    true_q3 = truth[:, TRUE_Q3]
+    measured = np.interp(time, run.telemetry[:, 0], run.telemetry[:, 2])
+    inside = (time >= run.telemetry[0, 0]) & (time <= run.telemetry[-1, 0])
+    if (np.abs(true_q3 - measured)[inside] > SAME_POSITION).any():
+        error = 1e6 * (true_q3 - _reference(steps, time))
+        curves += [
+            decimation.series("position", "true q3", "ink", time, 1e3 * true_q3),
+            decimation.series("error", "true q3 − r", "ink", time, error),  # noqa: RUF001
+        ]
+    return curves
+
+
+def _reference(steps: list[ReferenceStep], time: FloatArray) -> FloatArray:
+    """Return the reference at each time [m]; NaN before the first step."""
+    if not steps:
+        return np.full(time.shape, np.nan)
+    starts = np.array([step.t_start for step in steps])
+    levels = np.array([step.reference for step in steps])
+    # Stamps and sample times are rounded differently: a step begins with its own sample.
+    index = np.searchsorted(starts, time + 1e-9, side="right") - 1
+    return np.where(index >= 0, levels[index], np.nan)
+
+
+def _reference_levels(steps: list[ReferenceStep]) -> list[Series]:
+    if not steps:
+        return []
+    time = np.array([*(step.t_start for step in steps), steps[-1].t_end])
+    level = np.array([*(step.reference for step in steps), steps[-1].reference])
+    return [
+        Series(
+            panel="position",
+            name="reference r",
+            color="ink",
+            time=time,
+            value=1e3 * level,
+            steps=True,
+            dash="dash",
+            samples=len(steps),
+        )
+    ]
+
+
+def _held(
+    run: RunSignals,
+    rows: FloatArray,
+    scale: float,
+    *,
+    panel: str,
+    name: str,
+    color: str,
+    dash: Literal["solid", "dash", "dot"] = "solid",
+    fill: bool = False,
+    quiet: bool = False,
+) -> Series:
+    """Return a value that holds until the next one, the last one until the end of the run."""
+    end = float(run.telemetry[-1, 0])
+    if len(rows) and rows[-1, 0] < end:
+        rows = np.vstack([rows[:, :2], [end, rows[-1, 1]]])
+    return Series(
+        panel=panel,
+        name=name,
+        color=color,
+        time=rows[:, 0],
+        value=scale * rows[:, 1],
+        steps=True,
+        dash=dash,
+        fill=fill,
+        quiet=quiet,
+        samples=len(rows),
+    )
+
+
+def _uncertainty_band(run: RunSignals) -> list[Series]:
+    """Return lower and upper edge of the estimate's uncertainty; no band where it is infinite."""
+    in_force = np.searchsorted(run.estimates[:, 0], run.uncertainties[:, 0], side="right") - 1
+    known = (in_force >= 0) & np.isfinite(run.uncertainties[:, 1])
+    if not known.any():
+        return []
+    rows, gaps = run.uncertainties[known], run.estimates[in_force[known], 1]
+    degrees, name = float(np.rad2deg(1.0)), f"estimate ± {COVERAGE:g} standard uncertainties"
+    edges = []
+    for sign in (-COVERAGE, COVERAGE):
+        edge = np.stack([rows[:, 0], gaps + sign * rows[:, 1]], axis=1)
+        band = _held(run, edge, degrees, panel="gap", name=name, color="estimate")
+        edges.append(replace(band, width=0.0, quiet=sign < 0, fill=sign > 0))
+    return edges
+
+
+def _dead_zone_band(run: RunSignals) -> list[Series]:
+    """Return lower and upper edge of the dead zone around the reference."""
+    rows = run.dead_zones
+    if not len(rows) or not rows[:, 1].any():
+        return []
+    name, color = "dead zone ±ε", "dead-zone"
+    lower = _held(run, rows, -1e6, panel="error", name=name, color=color, dash="dash", quiet=True)
+    upper = _held(run, rows, 1e6, panel="error", name=name, color=color, dash="dash", fill=True)
+    return [lower, upper]

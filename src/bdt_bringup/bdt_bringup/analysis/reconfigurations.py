@@ -1,0 +1,115 @@
+"""Log of the reconfigurations: every dead zone, the estimate behind it, and how late it came."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_bringup.analysis.estimate_analysis import matching_estimates
+from bdt_bringup.bags.recording import Recording
+from bdt_bringup.run_signals import RunSignals
+
+FloatArray = NDArray[np.float64]
+
+
+class Reconfiguration(NamedTuple):
+    """One change of the dead zone.
+
+    Attributes
+    ----------
+    time_s : float
+        Time at which it took effect [s].
+    dead_zone_m : float
+        Dead-zone tolerance from then on [m].
+    change_m : float or None
+        Difference to the tolerance before [m]; None for the first one known.
+    estimate_time_s, estimate_rad : float or None
+        Newest sample behind the estimate whose dead zone this is [s], and the estimate [rad];
+        None when the value belongs to no estimate: somebody else set it.
+    delay_s : float or None
+        Time from that sample to the reconfiguration [s].
+    """
+
+    time_s: float
+    dead_zone_m: float
+    change_m: float | None
+    estimate_time_s: float | None
+    estimate_rad: float | None
+    delay_s: float | None
+
+
+@dataclass(frozen=True)
+class ReconfigurationSummary:
+    """Delays of reconfigurations; the fields of ``reconfiguration_delay`` in ``summary.json``.
+
+    Attributes
+    ----------
+    from_estimates : int
+        Number of dead zones that are those of an estimate.
+    from_elsewhere : int
+        Number of the others, the initial one not counted.
+    estimates_not_applied : int
+        Number of estimates that no dead zone followed.
+    min_s, median_s, max_s : float or None
+        Delay from the newest sample behind an estimate to its dead zone [s].
+    longest_pause_s : float or None
+        Longest time between two reconfigurations [s].
+    """
+
+    from_estimates: int
+    from_elsewhere: int
+    estimates_not_applied: int
+    min_s: float | None
+    median_s: float | None
+    max_s: float | None
+    longest_pause_s: float | None
+
+
+def reconfiguration_log(run: RunSignals) -> list[Reconfiguration]:
+    """Return every dead zone of a run in the order of time, the initial one included.
+
+    Parameters
+    ----------
+    run : RunSignals
+        A run.
+    """
+    matches = matching_estimates(run.estimates, run.dead_zones, run.pitch).tolist()
+    log: list[Reconfiguration] = []
+    for (time, value), match in zip(run.dead_zones.tolist(), matches, strict=True):
+        stamp, gap = run.estimates[match].tolist() if match >= 0 else (None, None)
+        log.append(
+            Reconfiguration(
+                time_s=time,
+                dead_zone_m=value,
+                change_m=value - log[-1].dead_zone_m if log else None,
+                estimate_time_s=stamp,
+                estimate_rad=gap,
+                delay_s=None if stamp is None else time - stamp,
+            )
+        )
+    return log
+
+
+def summarize_reconfigurations(recording: Recording) -> ReconfigurationSummary:
+    """Return the delays of a recording in numbers.
+
+    Parameters
+    ----------
+    recording : Recording
+        A loaded bag.
+    """
+    log = reconfiguration_log(recording)
+    delays = np.array([entry.delay_s for entry in log if entry.delay_s is not None])
+    initial = len(log) - recording.reconfigurations
+    others = len(log) - delays.size - initial
+    pauses = np.diff([entry.time_s for entry in log[max(initial, 0) :]])
+    return ReconfigurationSummary(
+        from_estimates=delays.size,
+        from_elsewhere=max(others, 0),
+        estimates_not_applied=len(recording.estimates) - delays.size,
+        min_s=float(delays.min()) if delays.size else None,
+        median_s=float(np.median(delays)) if delays.size else None,
+        max_s=float(delays.max()) if delays.size else None,
+        longest_pause_s=float(pauses.max()) if pauses.size else None,
+    )

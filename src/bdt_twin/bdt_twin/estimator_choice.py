@@ -1,0 +1,64 @@
+"""Which estimator the twin uses: one of this package's, or anybody's by the name of its file."""
+
+from dataclasses import dataclass
+from importlib import import_module
+
+from bdt_msgs_py.quantities import quantity, validate
+from bdt_plant.plant import PlantModel
+from bdt_twin.estimator import Estimator
+from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
+
+KINDS = ("inverse_filter",)
+
+
+@dataclass(frozen=True)
+class EstimatorChoice:
+    """The estimator of the backlash gap."""
+
+    kind: str = quantity(
+        "inverse_filter",
+        "",
+        "inverse_filter (the paper's, for signals without noise), or module:name of a function "
+        "(model, sampling rate) -> estimator",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        module, _, name = self.kind.partition(":")
+        if self.kind not in KINDS and not (module and name):
+            raise ValueError(
+                f"EstimatorChoice.kind = {self.kind!r}: "
+                f"must be one of {', '.join(KINDS)} or module:name"
+            )
+
+
+def create_estimator(
+    choice: EstimatorChoice,
+    model: PlantModel,
+    inverse_filter: InverseFilterSettings,
+) -> Estimator:
+    """Return the estimator of a choice.
+
+    Parameters
+    ----------
+    choice : EstimatorChoice
+        Which one.
+    model : PlantModel
+        Constants of the mechanism, as the twin knows them.
+    inverse_filter : InverseFilterSettings
+        Settings of the paper's estimator; its sampling rate is that of the telemetry.
+
+    Raises
+    ------
+    ValueError
+        If there is no such module or function, with one line that says which.
+    """
+    if choice.kind == "inverse_filter":
+        return InverseFilterEstimator(model, inverse_filter)
+    module, _, name = choice.kind.partition(":")
+    try:
+        factory = getattr(import_module(module), name)
+    except (ImportError, AttributeError) as error:
+        raise ValueError(f"estimator.kind = {choice.kind!r}: {error}") from error
+    estimator: Estimator = factory(model, inverse_filter.sampling_rate)
+    return estimator

@@ -1,0 +1,53 @@
+"""From an estimate to a reconfiguration on its way: what node and offline loop share."""
+
+from bdt_twin.dead_zone_width import DeadZoneRule
+from bdt_twin.estimator import Estimate
+from bdt_twin.link import DelayedLink, Reconfiguration
+
+
+class Reconfigurator:
+    """Sends the dead zone that an estimate asks for over the slow link.
+
+    Parameters
+    ----------
+    rule : DeadZoneRule
+        Width of the dead zone for an estimate.
+    link : DelayedLink
+        The way to the controller.
+    """
+
+    def __init__(self, rule: DeadZoneRule, link: DelayedLink) -> None:
+        self._rule = rule
+        self._link = link
+
+    def send(self, estimate: Estimate, now: int) -> None:
+        """Send a dead zone at the time `now` [ns], unless nothing is known of the gap."""
+        if estimate.is_known:
+            effective = now * 1e-9 + self._link.expected_delay
+            tolerance = self._rule.tolerance(estimate, effective)
+            self._link.send(now, now, tolerance)
+
+    def deliver(self, now: int) -> Reconfiguration | None:
+        """Return the newest of what has arrived at `now` [ns]."""
+        return self._link.deliver(now)
+
+    def next_due(self) -> int | None:
+        """Return when the next reconfiguration arrives [ns], or None."""
+        return self._link.next_due()
+
+    def earliest_action(self, end: int, batch: int) -> int:
+        """Return before when telemetry yet to come cannot change the dead zone [ns].
+
+        Parameters
+        ----------
+        end : int
+            Stamp of the newest sample that has been worked on [ns].
+        batch : int
+            Duration of each batch to come [ns].
+        """
+        return self._link.earliest_arrival(end, batch)
+
+    def restart(self) -> None:
+        """Forget everything: another run begins."""
+        self._rule.restart()
+        self._link.drop()

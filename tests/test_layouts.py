@@ -1,0 +1,133 @@
+"""Layouts for other tools in config/: every topic and field in them is one of this project's."""
+
+import json
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rosbags.typesys import Stores, get_typestore
+
+from bdt_msgs_py.topics import (
+    ALL_TOPICS,
+    COMMAND,
+    DEAD_ZONE_PARAMETER,
+    GAP_JOINT,
+    JOINT_STATE,
+    MOTOR_JOINT,
+    PLATFORM_JOINT,
+    TRUTH,
+    TRUTH_COLUMNS,
+    Topic,
+)
+
+CONFIG = Path(__file__).parents[1] / "config"
+STORE = get_typestore(Stores.ROS2_JAZZY)
+TOPICS = {f"/{topic.name.removeprefix('/')}": topic for topic in ALL_TOPICS}
+NUMBERS = {"float64", "float32", "int64", "int32"}
+
+# Kinds of fields in the definitions of rosbags.
+BASE, NAME, ARRAY, SEQUENCE = 1, 2, 3, 4
+
+
+def field_type(message_type: str, parts: list[str]) -> str:
+    """Return the type at the end of a path of fields; a part may carry an index in brackets."""
+    if not parts:
+        return message_type
+    name, bracket, _ = parts[0].partition("[")
+    kind, detail = dict(STORE.get_msgdef(message_type).fields)[name]
+    assert bool(bracket) == (kind in {ARRAY, SEQUENCE}), f"{parts[0]} in {message_type}"
+    if kind in {ARRAY, SEQUENCE}:
+        kind, detail = detail[0]
+    if kind == NAME:
+        return field_type(detail, parts[1:])
+    assert len(parts) == 1
+    return detail[0]
+
+
+def plotjuggler_layout() -> ET.Element:
+    return ET.parse(CONFIG / "plotjuggler_layout.xml").getroot()  # noqa: S314 - our own file
+
+
+def plotjuggler_curves() -> list[str]:
+    return [curve.attrib["name"] for curve in plotjuggler_layout().iter("curve")]
+
+
+def foxglove_layout() -> dict[str, Any]:
+    layout: dict[str, Any] = json.loads((CONFIG / "foxglove_layout.json").read_text())
+    return layout
+
+
+def foxglove_paths() -> list[str]:
+    panels = foxglove_layout()["configById"].values()
+    return [path["value"] for panel in panels for path in panel.get("paths", [])]
+
+
+def rqt_plot_arguments() -> list[str]:
+    return re.findall(r'"([^"]+)"', (CONFIG / "rqt_plot.sh").read_text())
+
+
+def of_joint_state(topic: Topic, field: str) -> None:
+    assert field == ("effort" if topic is COMMAND else "position")
+
+
+@pytest.mark.parametrize("curve", plotjuggler_curves())
+def test_plotjuggler_names_topics_joints_and_fields(curve):
+    topic = TOPICS["/" + curve.split("/")[1]]
+    rest = curve.split("/")[2:]
+    if topic.message_type == JOINT_STATE:  # PlotJuggler names such a curve by its joint
+        joint, field = rest
+        assert joint == {
+            "command": MOTOR_JOINT,
+            "backlash_estimate": GAP_JOINT,
+        }.get(topic.name, PLATFORM_JOINT)
+        of_joint_state(topic, field)
+    else:
+        assert field_type(topic.message_type, rest) in NUMBERS
+
+
+@pytest.mark.parametrize("path", foxglove_paths())
+def test_foxglove_names_topics_and_fields(path):
+    condition = re.search(r'\{name=="(.*?)"\}', path)
+    assert condition is None or condition[1] == DEAD_ZONE_PARAMETER
+    name, *parts = re.sub(r"\{.*?\}", "", path).split(".")
+    topic = TOPICS[name]
+    assert field_type(topic.message_type, parts) in NUMBERS
+    if topic.message_type == JOINT_STATE:
+        of_joint_state(topic, parts[0].partition("[")[0])
+
+
+@pytest.mark.parametrize("argument", rqt_plot_arguments())
+def test_rqt_plot_names_topics_and_fields(argument):
+    _, name, *parts = argument.split("/")
+    topic = TOPICS[f"/{name}"]
+    assert topic.reliable, "rqt_plot subscribes reliably"
+    assert field_type(topic.message_type, parts) in NUMBERS
+    of_joint_state(topic, parts[0].partition("[")[0])
+
+
+def test_every_tool_shows_position_voltage_and_estimate():
+    for names in (plotjuggler_curves(), foxglove_paths(), rqt_plot_arguments()):
+        shown = {re.split(r"[/.]", name.removeprefix("/"))[0] for name in names}
+        assert {"measurement", "reference", "command", "backlash_estimate"} <= shown
+
+
+def test_the_element_of_the_truth_is_the_gap():
+    index = TRUTH_COLUMNS.index("gap[rad]")
+    assert f"/{TRUTH.name}/data[{index}]" in plotjuggler_curves()
+    assert f"/{TRUTH.name}.data[{index}]" in foxglove_paths()
+
+
+def test_foxglove_shows_every_panel_once():
+    def leaves(node: Any) -> list[str]:
+        return [node] if isinstance(node, str) else leaves(node["first"]) + leaves(node["second"])
+
+    layout = foxglove_layout()
+    assert sorted(leaves(layout["layout"])) == sorted(layout["configById"])
+
+
+def test_plotjuggler_has_as_many_plots_as_it_says():
+    (splitter,) = plotjuggler_layout().iter("DockSplitter")
+    count = int(splitter.attrib["count"])
+    assert len(list(splitter)) == len(splitter.attrib["sizes"].split(";")) == count
