@@ -11,7 +11,10 @@ from rich.console import Console
 from bdt_bringup.analysis.step_table import step_table
 from bdt_bringup.bags.bag_reader import BagError
 from bdt_bringup.benchmarks.bench_table import bench_table
+from bdt_bringup.recovery.command import add_recover_command
 from bdt_bringup.running.configuration import BadInputError, load_configuration
+from bdt_bringup.running.record_command import add_record_command
+from bdt_bringup.running.recording_options import add_recording_options, recorder_settings
 from bdt_bringup.running.run_plan import plan_run
 from bdt_msgs_py.exit_codes import BAD_INPUT, FAILED, LoopError
 
@@ -59,6 +62,7 @@ def _run(options: argparse.Namespace) -> int:
         processes=options.processes,
         output=options.output,
         record=options.bag,
+        recorder=recorder_settings(options),
     )
     try:
         run_loop(plan)
@@ -153,6 +157,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("--output", type=Path, metavar="DIR", help="new folder for bag and report")
     run.add_argument("--no-bag", dest="bag", action="store_false", help="record nothing")
+    add_recording_options(run)
     run.add_argument("--json", action="store_true", help="print summary.json")
     run.set_defaults(command=_run)
     analyze_command = commands.add_parser(
@@ -166,6 +171,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     analyze_command.add_argument("--json", action="store_true", help="print summary.json")
     analyze_command.set_defaults(command=_analyze)
+    add_record_command(commands)
+    add_recover_command(commands)
     bench = commands.add_parser(
         "bench",
         help="measure cores and transport beside a peer and a floor",

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from bdt_bringup.running.configuration import BadInputError, load_configuration
+from bdt_bringup.running.recorder_settings import RecorderSettings
 from bdt_bringup.running.run_plan import plan_run
 
 CONFIG = Path(__file__).parents[3] / "config"
@@ -17,6 +18,7 @@ def plan(**changes):
         "processes": "separate",
         "output": None,
         "record": True,
+        "recorder": RecorderSettings(),
     }
     configuration = load_configuration(changes.pop("config", None))
     return plan_run(configuration, **{**choices, **changes})
