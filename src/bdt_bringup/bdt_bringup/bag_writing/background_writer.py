@@ -135,9 +135,11 @@ class BackgroundWriter:
             self._failure = error
 
     def _write_out(self) -> None:
-        if not self._files.unwritten:
-            self._files.append(self._take_queue())
         try:
+            # What the disk refused before goes first; until then the queue stays, and is bounded.
+            if self._files.unwritten:
+                self._files.commit()
+            self._files.append(self._take_queue())
             self._files.commit()
             self._sync_in_background()
         except BagWriteError as error:

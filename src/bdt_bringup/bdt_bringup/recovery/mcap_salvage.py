@@ -167,16 +167,18 @@ class McapSalvage:
         return _Record(opcode, begin, begin + length) if opcode in _OPCODES else None
 
     def _next_record(self, damaged: int) -> int:
-        """Return where the next record begins behind a damaged place; the end for none."""
+        """Return where the next record begins from a damaged place on; the end for none."""
         size = len(self._data)
         place = damaged
-        for candidate in _CANDIDATE.finditer(self._data, damaged + 1):
+        for candidate in _CANDIDATE.finditer(self._data, damaged):
             if self._is_chain(candidate.start()):
                 place = candidate.start()
                 break
         else:
             place = size
-        self.damage.note(f"byte {damaged}: no record, {place - damaged} bytes", place - damaged)
+        if place > damaged:
+            passed = place - damaged
+            self.damage.note(f"byte {damaged}: no record, {passed} bytes", passed)
         return place
 
     def _is_chain(self, position: int) -> bool:
@@ -229,7 +231,7 @@ class McapSalvage:
             return record.end
         # Records in the torn chunk itself must not be found once more.
         taken = chunk.begin + position if chunk.plain else len(stored)
-        return self._next_record(record.begin + taken - 1)
+        return self._next_record(record.begin + taken)
 
     def _chunk_content(self, stored: bytes) -> "_Chunk":
         if len(stored) < _CHUNK.size + 4:
