@@ -20,10 +20,14 @@ class RecorderSettings:
         choices=("none", "zstd"),
     )
     split_size: int = quantity(
-        0, "B", "size of a file from which on the next one is begun; 0 for one file", minimum=0
+        0,
+        "B",
+        "size of a file from which on the next one is begun; 0 for one file",
+        minimum=0,
+        maximum=10**12,
     )
     split_duration: float = quantity(
-        0.0, "s", "wall time that a file covers; 0 for one file", minimum=0.0
+        0.0, "s", "wall time that a file covers; 0 for one file", minimum=0.0, maximum=1e6
     )
     topics: str = quantity(
         "", "", "names with spaces between them; empty for all topics of this project"

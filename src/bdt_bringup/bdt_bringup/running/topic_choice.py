@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.validate_topic_name import validate_topic_name
 
 from bdt_bringup.bag_writing.recorded_topic import RecordedTopic, recorded_topic
 from bdt_bringup.running.offered_qos import offered_qos_text
@@ -55,10 +56,12 @@ def project_topics(node: Node, names: str) -> tuple[list[ChosenTopic], list[str]
     """
     known = {node.resolve_topic_name(topic.name): topic for topic in ALL_TOPICS}
     try:
-        wanted = [node.resolve_topic_name(name) for name in names.split()] or list(known)
+        for name in names.split():
+            validate_topic_name(name)
     except InvalidTopicNameException as error:
         raise ConfigurationError(f"parameter topics = {names!r}: {error}") from error
-    wanted = list(dict.fromkeys(wanted))
+    resolved = [node.resolve_topic_name(name) for name in names.split()]
+    wanted = list(dict.fromkeys(resolved or known))
     chosen = [_project_topic(name, known[name]) for name in wanted if name in known]
     return chosen, [name for name in wanted if name not in known]
 
