@@ -38,6 +38,12 @@ def test_a_bag_is_analyzed(tmp_path, following_bag):
     assert (tmp_path / "report.html").exists()
 
 
+def test_a_bag_is_recovered(tmp_path, following_bag):
+    done = run_without_ros("recover", following_bag, "--output", tmp_path / "whole")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "whole" / "whole_0.mcap").exists()
+
+
 @needs_control
 def test_the_controller_is_designed(tmp_path):
     done = run_without_ros("design", "--output", tmp_path / "design.png")

@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from bdt_bringup.analysis.step_table import step_table
+from bdt_bringup.bag_writing.metadata_file import is_unfinished
 from bdt_bringup.bags.bag_reader import BagError
 from bdt_bringup.benchmarks.bench_table import bench_table
 from bdt_bringup.recovery.command import add_recover_command
@@ -69,6 +70,11 @@ def _run(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         kept = f"; what was recorded is in {plan.bag}" if plan.record else ""
         return _complain(f"interrupted{kept}", INTERRUPTED)
+    if plan.record and is_unfinished(plan.bag):
+        raise LoopError(
+            f"{plan.bag} has no end, see {plan.output / 'log'}: "
+            "`bdt recover` makes a whole one of it"
+        )
     if plan.record:
         _report(plan.bag, plan.output, as_json=options.json)
     return 0

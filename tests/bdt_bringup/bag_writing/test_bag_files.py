@@ -10,6 +10,7 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from bdt_bringup.bag_writing.bag_files import BagFiles
+from bdt_bringup.bag_writing.metadata_file import is_unfinished
 from bdt_bringup.bag_writing.recorded_topic import BagWriteError, Message, recorded_topic
 from bdt_bringup.recovery.recover_bag import recover_bag
 
@@ -133,12 +134,14 @@ def test_what_was_committed_can_be_read_without_the_end_of_the_file(tmp_path, st
     bag.append([message(number) for number in range(100)])
     bag.commit()
     assert information(tmp_path / "bag")["custom_data"] == {"recording": "unfinished"}
+    assert is_unfinished(tmp_path / "bag")
     # rosbags wants the end of an mcap; Jazzy's own reader does not.
     recovered = recover_bag(tmp_path / "bag").output
     assert [data for _, _, data in read(recovered)] == [
         message(number).data for number in range(100)
     ]
     bag.close()
+    assert not is_unfinished(tmp_path / "bag")
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])

@@ -109,7 +109,7 @@ def test_damage_of_any_kind_ends_in_a_bag_or_in_one_line(small_bag, tmp_path, st
     bits = np.random.default_rng(7)
     originals = {file: file.read_bytes() for file in bag.iterdir()}
     recovered = 0
-    for number in range(60):
+    for number in range(40):
         for file, data in originals.items():
             changed = bytearray(data)
             for _ in range(bits.choice((0, 1, 5))):

@@ -128,6 +128,8 @@ def test_a_full_disk_is_told_and_the_recorder_goes_on(ros, tmp_path, monkeypatch
 
     with monkeypatch.context() as patch:
         patch.setattr(mcap_file.os, "pwrite", full)
+        # The log lies on the same disk.
+        patch.setattr(recorder.get_logger(), "error", full)
         publisher.publish(platform_position(0, 1.0))
         ros.spin_until(lambda: heard and heard[-1].status[0].level == DiagnosticStatus.WARN)
         status = heard[-1].status[0]

@@ -43,6 +43,16 @@ def test_the_plant_waits_for_twin_and_recorder_and_the_others_use_simulated_time
     assert "lockstep_followers:=[twin]" in plan(record=False).ros_arguments("plant")
 
 
+def test_the_recorder_is_told_where_and_how_to_write(tmp_path):
+    settings = RecorderSettings(storage="sqlite3", compression="zstd", split_duration=2.5)
+    recorded = plan(output=tmp_path / "run", recorder=settings)
+    arguments = recorded.ros_arguments("recorder")
+    assert f'bag:="{tmp_path / "run" / "bag"}"' in arguments
+    assert 'storage:="sqlite3"' in arguments
+    assert 'compression:="zstd"' in arguments
+    assert "split_duration:=2.5" in arguments
+
+
 def test_the_plant_starts_last_because_it_drives_the_others():
     assert plan().nodes == ["controller", "twin", "recorder", "plant"]
     assert plan(record=False).nodes == ["controller", "twin", "plant"]

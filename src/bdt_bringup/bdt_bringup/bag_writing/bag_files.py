@@ -10,6 +10,7 @@ import zstandard
 
 from bdt_bringup.bag_writing.mcap_file import McapFile
 from bdt_bringup.bag_writing.metadata_file import (
+    UNFINISHED,
     FileSpan,
     describe_bag,
     sync_folder,
@@ -22,8 +23,6 @@ SMALLEST_PIECE = 1 << 16
 """Messages between two looks at the size of a file that is to be split [byte]."""
 MESSAGE_OVERHEAD = 50
 """What a message takes in a file besides its content, roughly [byte]."""
-UNFINISHED = {"recording": "unfinished"}
-"""What metadata.yaml says of itself while a bag is being written."""
 
 
 class BagFiles:

@@ -12,6 +12,8 @@ from bdt_bringup.bag_writing.recorded_topic import RecordedTopic
 
 VERSION = 9
 METADATA_NAME = "metadata.yaml"
+UNFINISHED = {"recording": "unfinished"}
+"""What metadata.yaml says of itself while a bag is being written."""
 _NEVER = 2**63 - 1
 
 
@@ -122,6 +124,16 @@ def write_metadata(folder: Path, information: Mapping[str, Any]) -> None:
         draft.unlink(missing_ok=True)
         raise
     sync_folder(folder)
+
+
+def is_unfinished(folder: Path) -> bool:
+    """Whether the recorder of a bag was killed or could not write its end."""
+    path = folder / METADATA_NAME
+    if not path.exists():
+        return True
+    text = path.read_text(encoding="utf-8")
+    custom_data = yaml.safe_load(text)["rosbag2_bagfile_information"]["custom_data"] or {}
+    return bool(UNFINISHED.items() <= custom_data.items())
 
 
 def sync_folder(folder: Path) -> None:

@@ -12,10 +12,10 @@ from typing import Any
 import yaml
 import zstandard
 
-from bdt_bringup.bag_writing.bag_files import UNFINISHED, BagFiles
-from bdt_bringup.bag_writing.metadata_file import METADATA_NAME
+from bdt_bringup.bag_writing.bag_files import BagFiles
+from bdt_bringup.bag_writing.metadata_file import METADATA_NAME, UNFINISHED
 from bdt_bringup.bag_writing.recorded_topic import BagWriteError, Message
-from bdt_bringup.bags.bag_reader import BagError
+from bdt_bringup.bags.bag_reader import BagError, one_line
 from bdt_bringup.recovery.mcap_salvage import LARGEST_CHUNK, McapSalvage, decompressed_zstd
 from bdt_bringup.recovery.salvaged import Damage, SalvagedFile
 from bdt_bringup.recovery.sqlite_salvage import SqliteSalvage
@@ -79,7 +79,7 @@ def recover_bag(source: Path, output: Path | None = None) -> Recovery:
             _copy_files(files, kinds.pop(), metadata, recovery, Path(workspace))
     except OSError as error:
         _remove(folder)
-        raise BagError(f"bag {source}: {error.strerror or error}: {error.filename}") from error
+        raise BagError(f"bag {source}: cannot be recovered: {one_line(error)}") from error
     except BagWriteError as error:
         _remove(folder)
         raise BagError(f"output {folder}: cannot be written: {error}") from error
@@ -93,31 +93,41 @@ def _copy_files(
     files: list[Path], storage: str, metadata: dict[str, Any], recovery: Recovery, workspace: Path
 ) -> None:
     bag: BagFiles | None = None
+    try:
+        for file in files:
+            salvaged = _salvage(file, storage, workspace)
+            if bag is None:
+                bag = BagFiles(recovery.output, storage=storage, compression=salvaged.compression)
+            elif recovery.messages:
+                bag.split()
+            _copy_messages(salvaged, bag, metadata, recovery)
+            recovery.damage[file.name] = salvaged.damage
+        if bag is not None:
+            bag.close(_custom_data(metadata, recovery))
+    finally:
+        if bag is not None:
+            bag.abandon()
+
+
+def _copy_messages(
+    salvaged: SalvagedFile, bag: BagFiles, metadata: dict[str, Any], recovery: Recovery
+) -> None:
     by_message = str(metadata.get("compression_mode", "")).lower() == "message"
-    places: dict[tuple[str, str], int] = {}
-    for file in files:
-        salvaged = _salvage(file, storage, workspace)
-        if bag is None:
-            bag = BagFiles(recovery.output, storage=storage, compression=salvaged.compression)
-        elif recovery.messages:
-            bag.split()
-        numbers = []
-        for topic in salvaged.topics:
-            key = topic.name, topic.message_type
-            if key not in places:
-                places[key] = bag.add_topic(topic)
-            numbers.append(places[key])
-        for stored in _batches(salvaged.messages()):
-            batch = _decompressed(stored, salvaged.damage) if by_message else stored
-            bag.append([message._replace(topic=numbers[message.topic]) for message in batch])
-            bag.commit()
-            for message in batch:
-                recovery.messages[salvaged.topics[message.topic].name] += 1
-                recovery.start = min(recovery.start, message.received)
-                recovery.end = max(recovery.end, message.received)
-        recovery.damage[file.name] = salvaged.damage
-    if bag is not None:
-        bag.close(_custom_data(metadata, recovery))
+    places = {(topic.name, topic.message_type): n for n, topic in enumerate(bag.topics)}
+    numbers = []
+    for topic in salvaged.topics:
+        key = topic.name, topic.message_type
+        if key not in places:
+            places[key] = bag.add_topic(topic)
+        numbers.append(places[key])
+    for stored in _batches(salvaged.messages()):
+        batch = _decompressed(stored, salvaged.damage) if by_message else stored
+        bag.append([message._replace(topic=numbers[message.topic]) for message in batch])
+        bag.commit()
+        for message in batch:
+            recovery.messages[salvaged.topics[message.topic].name] += 1
+            recovery.start = min(recovery.start, message.received)
+            recovery.end = max(recovery.end, message.received)
 
 
 def _salvage(file: Path, storage: str, workspace: Path) -> SalvagedFile:

@@ -59,6 +59,8 @@ class SqliteSalvage:
         try:
             # Reads a file that is shorter than its first page says.
             self._connection.execute("PRAGMA writable_schema = ON")
+            # One transaction for all queries: sqlite need not look for changes before each.
+            self._connection.execute("BEGIN")
             self._find_topics()
         except sqlite3.Error as error:
             self.damage.note(f"topics cannot be read: {error}")
@@ -133,7 +135,9 @@ class SqliteSalvage:
                 if low < 0 or attempts == 1:
                     self.damage.note(f"messages from {max(low, 0)} on: {error}")
                 low = max(low, 0)
-                if attempts > _ATTEMPTS or low >= high:
+                if attempts == _ATTEMPTS:
+                    self.damage.note("too much is damaged: what lies within is left out")
+                if attempts >= _ATTEMPTS or low >= high:
                     continue
                 middle = (low + high) // 2
                 # The part that is read next stands last.

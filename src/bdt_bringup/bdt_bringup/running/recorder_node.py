@@ -4,6 +4,7 @@
 come, so that nothing is lost however fast simulated time runs.
 """
 
+import contextlib
 import math
 import sys
 import time
@@ -103,7 +104,12 @@ class RecorderNode(Node):
             ) from error
         except (OSError, BagWriteError) as error:
             raise ConfigurationError(f"parameter bag = {settings.bag!r}: {error}") from error
-        return BackgroundWriter(files, self.get_logger().error)
+        return BackgroundWriter(files, self._tell)
+
+    def _tell(self, text: str) -> None:
+        # The log may lie on the very disk that is full; /diagnostics and the bag tell it, too.
+        with contextlib.suppress(OSError):
+            self.get_logger().error(text)
 
     def _subscribe(self, chosen: ChosenTopic) -> None:
         number = self._writer.add_topic(chosen.recorded)
@@ -168,11 +174,11 @@ class RecorderNode(Node):
             try:
                 self._writer.close({"messages_lost": str(self._lost)})
             except BagWriteError as error:
-                self.get_logger().error(
+                self._tell(
                     f"the bag could not be closed: {error}: `bdt recover` makes a whole one of it"
                 )
             if self._writer.dropped:
-                self.get_logger().error(self.summary)
+                self._tell(self.summary)
         super().destroy_node()
 
 
