@@ -59,6 +59,12 @@ def test_loop_and_topics_of_a_bag_can_be_chosen(small_loop, tmp_path, capsys):
     assert capsys.readouterr().err.startswith("error: topic 'telemetry': must be TOPIC=NAME")
 
 
+def test_a_bag_is_recovered(tmp_path, following_bag):
+    done = run_without_ros("recover", following_bag, "--output", tmp_path / "whole")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "whole" / "whole_0.mcap").exists()
+
+
 @needs_control
 def test_the_controller_is_designed(tmp_path):
     done = run_without_ros("design", "--output", tmp_path / "design.png")

@@ -9,10 +9,14 @@ from pathlib import Path
 from rich.console import Console
 
 from bdt_bringup.analysis.step_table import step_table
+from bdt_bringup.bag_writing.metadata_file import is_unfinished
 from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.topic_selection import TopicSelection, topic_remapping
 from bdt_bringup.benchmarks.bench_table import bench_table
+from bdt_bringup.recovery.command import add_recover_command
 from bdt_bringup.running.configuration import BadInputError, load_configuration
+from bdt_bringup.running.record_command import add_record_command
+from bdt_bringup.running.recording_options import add_recording_options, recorder_settings
 from bdt_bringup.running.run_plan import plan_run
 from bdt_msgs_py.exit_codes import BAD_INPUT, FAILED, LoopError
 
@@ -60,12 +64,18 @@ def _run(options: argparse.Namespace) -> int:
         processes=options.processes,
         output=options.output,
         record=options.bag,
+        recorder=recorder_settings(options),
     )
     try:
         run_loop(plan)
     except KeyboardInterrupt:
         kept = f"; what was recorded is in {plan.bag}" if plan.record else ""
         return _complain(f"interrupted{kept}", INTERRUPTED)
+    if plan.record and is_unfinished(plan.bag):
+        raise LoopError(
+            f"{plan.bag} has no end, see {plan.output / 'log'}: "
+            "`bdt recover` makes a whole one of it"
+        )
     if plan.record:
         _report(plan.bag, plan.output, as_json=options.json)
     return 0
@@ -174,6 +184,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("--output", type=Path, metavar="DIR", help="new folder for bag and report")
     run.add_argument("--no-bag", dest="bag", action="store_false", help="record nothing")
+    add_recording_options(run)
     run.add_argument("--json", action="store_true", help="print summary.json")
     run.set_defaults(command=_run)
     analyze_command = commands.add_parser(
@@ -217,6 +228,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     compare.add_argument("--json", action="store_true", help="print the numbers of all runs")
     compare.set_defaults(command=_compare)
+    add_record_command(commands)
+    add_recover_command(commands)
     bench = commands.add_parser(
         "bench",
         help="measure cores and transport beside a peer and a floor",

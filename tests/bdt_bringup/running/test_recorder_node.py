@@ -1,19 +1,28 @@
 """The recorder writes every topic byte for byte and tells a lockstep plant how far it is."""
 
+import errno
+import subprocess
+import sys
+import time
+
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
+from rosbags.interfaces import QosReliability, QosTime
 from sensor_msgs.msg import JointState, TimeReference
-from std_msgs.msg import Float64MultiArray
+from std_msgs.msg import Float64MultiArray, String
 
+from bdt_bringup.bag_writing import mcap_file
+from bdt_bringup.recovery.recover_bag import recover_bag
 from bdt_bringup.running.recorder_node import RecorderNode
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_stamp
-from bdt_msgs_py.topics import ALL_TOPICS, COMMAND, MEASUREMENT, PROGRESS, TELEMETRY
+from bdt_msgs_py.topics import ALL_TOPICS, COMMAND, DIAGNOSTICS, MEASUREMENT, PROGRESS, TELEMETRY
 from bdt_msgs_py.topics import TELEMETRY_COLUMNS as COLUMNS
 from bdt_msgs_py.writing import motor_voltage, platform_position, sample_message
 
@@ -72,3 +81,92 @@ def test_the_recorder_never_acts_on_the_loop_and_acknowledges_telemetry(ros, tmp
 def test_a_folder_that_exists_is_never_written_to(ros, tmp_path):
     with pytest.raises(ConfigurationError, match="exists already"):
         ros.create(RecorderNode, bag=str(tmp_path))
+
+
+def test_topics_can_be_chosen_by_name_and_need_not_be_those_of_the_project(ros, tmp_path):
+    talker = ros.create(Node, "talker")
+    text = talker.create_publisher(String, "chatter", 10)
+    command = talker.create_publisher(JointState, COMMAND.name, qos_profile(COMMAND))
+    recorder = ros.create(
+        RecorderNode, bag=str(tmp_path / "bag"), topics="command /chatter", storage="sqlite3"
+    )
+    ros.spin_until(lambda: text.get_subscription_count() == command.get_subscription_count() == 1)
+    text.publish(String(data="hello"))
+    command.publish(motor_voltage(0, 12.0))
+    ros.spin_until(lambda: recorder._writer.message_count == 2)
+    recorder.destroy_node()
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert {(one.topic, one.msgtype) for one in reader.connections} == {
+            ("/command", "sensor_msgs/msg/JointState"),
+            ("/chatter", "std_msgs/msg/String"),
+        }
+        offered = {one.topic: one.ext.offered_qos_profiles[0] for one in reader.connections}
+    assert offered["/chatter"].reliability == QosReliability.RELIABLE
+    assert offered["/chatter"].depth in {0, 10}
+    assert offered["/command"].lifespan == QosTime(9223372036, 854775807)
+    assert recorder.summary.startswith("2 messages recorded, 0 dropped")
+
+
+def test_a_name_that_no_topic_can_have_is_refused(ros, tmp_path):
+    with pytest.raises(ConfigurationError, match="parameter topics = '0bad'"):
+        ros.create(RecorderNode, bag=str(tmp_path / "bag"), topics="0bad")
+    assert not (tmp_path / "bag").exists()
+
+
+def test_a_full_disk_is_told_and_the_recorder_goes_on(ros, tmp_path, monkeypatch):
+    recorder = ros.create(RecorderNode, bag=str(tmp_path / "bag"))
+    talker = ros.create(Node, "talker")
+    publisher = publishers(talker)[MEASUREMENT]
+    heard = []
+    talker.create_subscription(
+        DiagnosticArray, DIAGNOSTICS.name, heard.append, qos_profile(DIAGNOSTICS)
+    )
+    ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(mcap_file.os, "pwrite", full)
+        # The log lies on the same disk.
+        patch.setattr(recorder.get_logger(), "error", full)
+        publisher.publish(platform_position(0, 1.0))
+        ros.spin_until(lambda: heard and heard[-1].status[0].level == DiagnosticStatus.WARN)
+        status = heard[-1].status[0]
+        assert status.name == "/recorder"
+        assert "No space left on device" in status.message
+    ros.spin_until(lambda: heard[-1].status[0].level == DiagnosticStatus.OK)
+    recorder.destroy_node()
+    with AnyReader([tmp_path / "bag"]) as reader:
+        counts = {one.topic: one.msgcount for one in reader.connections}
+    assert counts["/measurement"] == 1
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_a_killed_recorder_has_written_all_but_the_last_second(ros, tmp_path, storage):
+    bag = tmp_path / "bag"
+    # The namespace sets this recorder apart from one that was killed, which peers miss late.
+    arguments = ["--ros-args", "-r", f"__ns:=/{storage}"]
+    arguments += ["-p", f"bag:={bag}", "-p", f"storage:={storage}"]
+    command = [sys.executable, "-m", "bdt_bringup.running.recorder_node", *arguments]
+    talker = ros.create(Node, "talker")
+    name = f"/{storage}/{MEASUREMENT.name}"
+    publisher = talker.create_publisher(JointState, name, qos_profile(MEASUREMENT))
+    with subprocess.Popen(command) as process:
+        try:
+            ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+            sent = []
+            begun = time.monotonic()
+            while time.monotonic() < begun + 1.7:
+                message = platform_position(len(sent), 1e-3 * len(sent))
+                sent.append((time.monotonic(), bytes(serialize_message(message))))
+                publisher.publish(message)
+                ros.spin_for(2e-3)
+        finally:
+            process.kill()
+        killed = time.monotonic()
+    with AnyReader([recover_bag(bag).output]) as reader:
+        wanted = [one for one in reader.connections if one.topic == name]
+        found = [bytes(data) for _, _, data in reader.messages(wanted)]
+    assert found == [data for _, data in sent[: len(found)]]
+    assert len(found) >= sum(moment < killed - 1.0 for moment, _ in sent) > 50

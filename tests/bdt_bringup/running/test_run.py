@@ -2,6 +2,7 @@
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 from rosgraph_msgs.msg import Clock
 
+from bdt_bringup.recovery.recover_bag import recover_bag
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import read_position, read_samples, read_voltage
 from bdt_msgs_py.topics import CLOCK, GAP_JOINT, TELEMETRY_COLUMNS
@@ -239,3 +241,27 @@ def test_a_domain_id_that_is_not_one_is_bad_input(tmp_path, monkeypatch):
     code, _, err = run("--duration", "1", "--output", tmp_path / "run")
     assert code == 2
     assert "Traceback" not in err
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_loop(tmp_path):
+    # Half of what the recorder has to write.
+    space = 400_000
+    command = ["run", "--config", CONFIG / "paper.yaml", "--duration", "3", "--output", tmp_path]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "bdt_bringup.cli", *map(str, command)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (space, space)),  # noqa: PLW1509
+    )
+    code, _, err = finished(process)
+    assert code == 1
+    bag = tmp_path / "bag"
+    assert "t =    3.0 s" in err
+    assert err.endswith(
+        f"error: {bag} has no end, see {tmp_path / 'log'}: `bdt recover` makes a whole one of it\n"
+    )
+    said = (tmp_path / "log" / "recorder.log").read_text(encoding="utf-8").splitlines()
+    assert "File too large: what is recorded so far is kept" in said[0]
+    assert "messages recorded" in said[-1]
+    assert recover_bag(bag).messages["/measurement"] > 100

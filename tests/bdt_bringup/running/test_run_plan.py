@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from bdt_bringup.running.configuration import BadInputError, load_configuration
+from bdt_bringup.running.recorder_settings import RecorderSettings
 from bdt_bringup.running.run_plan import plan_run
 
 CONFIG = Path(__file__).parents[3] / "config"
@@ -17,6 +18,7 @@ def plan(**changes):
         "processes": "separate",
         "output": None,
         "record": True,
+        "recorder": RecorderSettings(),
     }
     configuration = load_configuration(changes.pop("config", None))
     return plan_run(configuration, **{**choices, **changes})
@@ -39,6 +41,16 @@ def test_the_plant_waits_for_twin_and_recorder_and_the_others_use_simulated_time
     for node in ("controller", "twin"):
         assert "use_sim_time:=true" in recorded.ros_arguments(node)
     assert "lockstep_followers:=[twin]" in plan(record=False).ros_arguments("plant")
+
+
+def test_the_recorder_is_told_where_and_how_to_write(tmp_path):
+    settings = RecorderSettings(storage="sqlite3", compression="zstd", split_duration=2.5)
+    recorded = plan(output=tmp_path / "run", recorder=settings)
+    arguments = recorded.ros_arguments("recorder")
+    assert f'bag:="{tmp_path / "run" / "bag"}"' in arguments
+    assert 'storage:="sqlite3"' in arguments
+    assert 'compression:="zstd"' in arguments
+    assert "split_duration:=2.5" in arguments
 
 
 def test_the_plant_starts_last_because_it_drives_the_others():

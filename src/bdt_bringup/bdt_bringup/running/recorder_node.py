@@ -4,55 +4,45 @@
 come, so that nothing is lost however fast simulated time runs.
 """
 
+import contextlib
 import math
 import sys
 import time
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rclpy.clock import Clock, ClockType
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.event_handler import QoSMessageLostInfo, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
-from rclpy.signals import uninstall_signal_handlers
-from rosbags.interfaces import (
-    Qos,
-    QosDurability,
-    QosHistory,
-    QosLiveliness,
-    QosReliability,
-    QosTime,
-)
-from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
-from rosbags.typesys import Stores, get_typestore
-from sensor_msgs.msg import TimeReference
+from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import Float64MultiArray
 
-from bdt_bringup.running.recorder_settings import PARAMETERS
-from bdt_bringup.running.stop_signals import StopSignals
+from bdt_bringup.bag_writing.background_writer import BackgroundWriter
+from bdt_bringup.bag_writing.bag_files import BagFiles
+from bdt_bringup.bag_writing.recorded_topic import BagWriteError
+from bdt_bringup.running.recorder_settings import PARAMETERS, RecorderSettings
+from bdt_bringup.running.strokes import spin_in_strokes
+from bdt_bringup.running.topic_choice import ChosenTopic, project_topics, published_topic
+from bdt_msgs_py.diagnostics import DiagnosticsPublisher, Health
 from bdt_msgs_py.node_main import run_node
 from bdt_msgs_py.node_parameters import ConfigurationError, declare_all, gone_if_refused
 from bdt_msgs_py.qos import qos_profile
-from bdt_msgs_py.reading import nanoseconds_from_seconds, read_samples
+from bdt_msgs_py.reading import nanoseconds_from_seconds, nanoseconds_from_stamp, read_samples
 from bdt_msgs_py.topics import (
-    ALL_TOPICS,
     COMMAND,
     MEASUREMENT,
     PROGRESS,
     PROGRESS_PERIOD,
     TELEMETRY,
     TELEMETRY_COLUMNS,
-    Topic,
 )
 from bdt_msgs_py.writing import progress
 
 RECORDER_NODE = "recorder"
-STROKE = 0.005
-"""Wall time [s] between two looks at what has arrived."""
-
-HISTORY = 10_000
-"""Messages a subscription may hold back while the recorder is busy."""
+LOOK_PERIOD = 0.2
+"""Time between two looks for publishers of topics that are not the project's [s]."""
 
 
 class RecorderNode(Node):
@@ -74,47 +64,101 @@ class RecorderNode(Node):
         self._recording = False
         self.messages = 0
         (settings,) = declare_all(self, PARAMETERS)
-        plugin = StoragePlugin.MCAP if settings.storage == "mcap" else StoragePlugin.SQLITE3
         with gone_if_refused(self):
-            try:
-                self._writer = Writer(Path(settings.bag), version=9, storage_plugin=plugin)
-                self._writer.open()
-            except (WriterError, OSError) as error:
-                raise ConfigurationError(f"parameter bag = {settings.bag!r}: {error}") from error
+            chosen, self._awaited = project_topics(self, settings.topics)
+            self._writer = self._open_bag(settings)
+        self._lost = 0
         self._telemetry_end = 0
+        self._newest_batch = 0, 0
+        self._last_measurement: bytes | None = None
         self._recording = True
         self._progress_publisher = self.create_publisher(
             TimeReference, PROGRESS.name, qos_profile(PROGRESS)
         )
-        store = get_typestore(Stores.ROS2_JAZZY)
-        for topic in ALL_TOPICS:
-            connection = self._writer.add_connection(
-                self.resolve_topic_name(topic.name),
-                topic.message_type,
-                typestore=store,
-                offered_qos_profiles=[_recorded_qos(topic)],
-            )
-            self._subscribe(topic, connection)
-        self.create_timer(
-            PROGRESS_PERIOD, self._tell_progress, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        for topic in chosen:
+            self._subscribe(topic)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        if self._awaited:
+            self.create_timer(LOOK_PERIOD, self._look_for_publishers, clock=steady)
+        self._diagnostics = DiagnosticsPublisher(self, self._health)
+        self.create_timer(PROGRESS_PERIOD, self._tell_progress, clock=steady)
+
+    @property
+    def summary(self) -> str:
+        """What was recorded and what is missing, in one line."""
+        written, dropped = self._writer.message_count, self._writer.dropped.total()
+        return (
+            f"{written} messages recorded, {dropped} dropped because of the disk, "
+            f"{self._lost} lost on the way to the recorder"
         )
 
-    def _subscribe(self, topic: Topic, connection: Any) -> None:
-        package, _, name = topic.message_type.split("/")
-        message_type = getattr(import_module(f"{package}.msg"), name)
+    def _open_bag(self, settings: RecorderSettings) -> BackgroundWriter:
+        try:
+            files = BagFiles(
+                Path(settings.bag),
+                storage=settings.storage,
+                compression=settings.compression,
+                split_size=settings.split_size,
+                split_duration=settings.split_duration,
+            )
+        except FileExistsError as error:
+            raise ConfigurationError(
+                f"parameter bag = {settings.bag!r}: exists already, must be a new folder"
+            ) from error
+        except (OSError, BagWriteError) as error:
+            raise ConfigurationError(f"parameter bag = {settings.bag!r}: {error}") from error
+        return BackgroundWriter(files, self._tell)
+
+    def _tell(self, text: str) -> None:
+        # The log may lie on the very disk that is full; /diagnostics and the bag tell it, too.
+        with contextlib.suppress(OSError):
+            self.get_logger().error(text)
+
+    def _subscribe(self, chosen: ChosenTopic) -> None:
+        number = self._writer.add_topic(chosen.recorded)
 
         def record(data: bytes, info: dict[str, int]) -> None:
             if not self._recording:
                 return
             self.messages += 1
-            # A middleware that does not know when a message came says 0.
-            self._writer.write(connection, info["received_timestamp"] or time.time_ns(), data)
-            if topic is TELEMETRY:
+            # A middleware does not always know when a message came, but who sent it when.
+            stamp = info["received_timestamp"] or info["source_timestamp"] or time.time_ns()
+            self._writer.write(number, stamp, data)
+            if chosen.topic is MEASUREMENT:
+                self._last_measurement = data
+            elif chosen.topic is TELEMETRY:
                 self._note_telemetry(data)
 
         self.create_subscription(
-            message_type, topic.name, record, qos_profile(topic, depth=HISTORY), raw=True
+            chosen.message_type,
+            chosen.recorded.name,
+            record,
+            chosen.profile,
+            raw=True,
+            event_callbacks=SubscriptionEventCallbacks(message_lost=self._note_loss),
         )
+
+    def _look_for_publishers(self) -> None:
+        for name in self._awaited[:]:
+            try:
+                found = published_topic(self, name)
+            except ValueError as error:
+                self.get_logger().error(str(error))
+                self._awaited.remove(name)
+                continue
+            if found is not None:
+                self._awaited.remove(name)
+                self._subscribe(found)
+
+    def _note_loss(self, event: QoSMessageLostInfo) -> None:
+        self._lost += event.total_count_change
+
+    def _health(self) -> Health:
+        trouble, dropped = self._writer.trouble, self._writer.dropped.total()
+        values = {"messages_dropped": dropped, "messages_lost": self._lost}
+        if trouble or dropped:
+            return Health(False, f"recording is incomplete: {trouble or 'disk is slow'}", values)
+        return Health(True, "recording", values)
 
     def _note_telemetry(self, data: bytes) -> None:
         try:
@@ -122,68 +166,46 @@ class RecorderNode(Node):
         except ValueError as error:
             self.get_logger().warning(f"odd telemetry: {error}", throttle_duration_sec=1.0)
             return
-        if len(rows) and math.isfinite(rows[-1, 0]):
-            self._telemetry_end = nanoseconds_from_seconds(rows[-1, 0])
+        if len(rows) and np.isfinite(rows[[0, -1], 0]).all():
+            begin, end = (nanoseconds_from_seconds(time) for time in rows[[0, -1], 0])
+            self._newest_batch = begin, end
         self._tell_progress()
 
     def _tell_progress(self) -> None:
+        begin, end = self._newest_batch
+        # Every topic has a queue of its own. Telemetry, which is rare, may be at its end when the
+        # measurements of that time still wait in theirs.
+        if self._measured_until() >= begin:
+            self._telemetry_end = end
         sources = (MEASUREMENT, COMMAND, TELEMETRY)
         if all(self.count_publishers(topic.name) for topic in sources):
             self._progress_publisher.publish(progress(self.get_name(), self._telemetry_end, None))
+
+    def _measured_until(self) -> float:
+        """Return the stamp [ns] of the newest measurement taken; infinite without measurements."""
+        if self._last_measurement is None:
+            return math.inf
+        stamp = deserialize_message(self._last_measurement, JointState).header.stamp
+        return nanoseconds_from_stamp(stamp)
 
     def destroy_node(self) -> None:
         """Close the bag and destroy the node."""
         if self._recording:
             self._recording = False
-            self._writer.close()
+            try:
+                self._writer.close({"messages_lost": str(self._lost)})
+            except BagWriteError as error:
+                self._tell(
+                    f"the bag could not be closed: {error}: `bdt recover` makes a whole one of it"
+                )
+            if self._writer.dropped:
+                self._tell(self.summary)
         super().destroy_node()
-
-
-def _recorded_qos(topic: Topic) -> Qos:
-    unlimited = QosTime(2147483647, 4294967295)
-    return Qos(
-        history=QosHistory.KEEP_LAST,
-        depth=topic.depth,
-        reliability=QosReliability.RELIABLE if topic.reliable else QosReliability.BEST_EFFORT,
-        durability=QosDurability.TRANSIENT_LOCAL
-        if topic.transient_local
-        else QosDurability.VOLATILE,
-        deadline=unlimited,
-        lifespan=unlimited,
-        liveliness=QosLiveliness.AUTOMATIC,
-        liveliness_lease_duration=unlimited,
-        avoid_ros_namespace_conventions=False,
-    )
-
-
-def record_in_strokes(executor: SingleThreadedExecutor, node: RecorderNode) -> None:
-    """Record until a signal comes, and then what has arrived before it.
-
-    An executor that waits is woken by every message, twice in a control period, and on a small
-    computer each time in the way of the controller. Here messages gather while nobody waits.
-
-    Parameters
-    ----------
-    executor : SingleThreadedExecutor
-        Executor that has the node.
-    node : RecorderNode
-        The recorder.
-    """
-    uninstall_signal_handlers()
-    with StopSignals() as signals:
-        while True:
-            stopping, taken = signals.requested, node.messages
-            executor.spin_once(timeout_sec=0.0)
-            if node.messages > taken:
-                continue
-            if stopping:
-                return
-            time.sleep(STROKE)
 
 
 def main(args: list[str] | None = None) -> None:
     """Run the recorder node; the console script ``recorder_node``."""
-    sys.exit(run_node(RecorderNode, args, spin=record_in_strokes))
+    sys.exit(run_node(RecorderNode, args, spin=spin_in_strokes))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,13 @@
 """What `bdt run` starts: nodes with their modules and ROS arguments, folders, durations."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Literal
 
 from bdt_bringup.running.configuration import BadInputError, Configuration
+from bdt_bringup.running.recorder_settings import RecorderSettings
+from bdt_bringup.running.recording_options import recorder_parameters
 from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
 
 DEFAULT_DURATION = 120.0
@@ -39,6 +41,8 @@ class RunPlan:
         Folder of the run: bag, logs, report.
     record : bool
         Whether a bag is written.
+    recorder : RecorderSettings
+        How it is written; where is a matter of `output`.
     """
 
     configuration: Configuration
@@ -47,6 +51,7 @@ class RunPlan:
     processes: Literal["separate", "single"]
     output: Path
     record: bool
+    recorder: RecorderSettings
 
     @property
     def bag(self) -> Path:
@@ -76,7 +81,7 @@ class RunPlan:
                 "lockstep_followers": f"[{', '.join(followers)}]",
             }
         if node == RECORDER:
-            return {"bag": f'"{self.bag}"'}
+            return recorder_parameters(replace(self.recorder, bag=str(self.bag)))
         return {"use_sim_time": "true"}
 
 
@@ -88,6 +93,7 @@ def plan_run(
     processes: Literal["separate", "single"],
     output: Path | None,
     record: bool,
+    recorder: RecorderSettings,
 ) -> RunPlan:
     """Return a checked plan; what is None comes from the configuration.
 
@@ -115,4 +121,5 @@ def plan_run(
         processes=processes,
         output=output,
         record=record,
+        recorder=recorder,
     )

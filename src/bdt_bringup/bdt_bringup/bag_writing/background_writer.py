@@ -1,0 +1,171 @@
+"""Writes a bag in threads of its own: whoever records never waits for the disk."""
+
+import threading
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+
+from bdt_bringup.bag_writing.bag_files import BagFiles
+from bdt_bringup.bag_writing.recorded_topic import BagWriteError, Message, RecordedTopic
+
+COMMIT_PERIOD = 0.25
+"""Time after which messages are handed to the system [s]; a kill -9 loses no more than that."""
+QUEUE_LIMIT = 64 << 20
+"""Messages that may wait for a slow or full disk [byte]; what comes then is dropped and counted."""
+_EARLY_COMMIT = 1 << 20
+
+
+class BackgroundWriter:
+    """Takes messages and writes them within :data:`COMMIT_PERIOD`.
+
+    One thread encodes and writes, one carries what was written to the disk itself. The second
+    starts anew as soon as it is done, so a power cut loses one commit period and the time that
+    the disk takes to store it.
+
+    Parameters
+    ----------
+    files : BagFiles
+        The bag; belongs to this object from here on.
+    report : callable
+        Takes one line about the disk, called by the writing thread when trouble begins or ends.
+    queue_limit : int
+        See :data:`QUEUE_LIMIT`.
+
+    Attributes
+    ----------
+    dropped : Counter of int
+        Messages that were dropped because the disk was too slow or full, by topic number.
+    """
+
+    def __init__(
+        self,
+        files: BagFiles,
+        report: Callable[[str], object],
+        queue_limit: int = QUEUE_LIMIT,
+    ) -> None:
+        self.dropped: Counter[int] = Counter()
+        self._files = files
+        self._report = report
+        self._queue_limit = queue_limit
+        self._lock = threading.Lock()
+        self._queue: list[Message] = []
+        self._queued_bytes = 0
+        self._wake = threading.Event()
+        self._stopping = False
+        self._trouble = ""
+        self._failure: BaseException | None = None
+        self._sync_thread = ThreadPoolExecutor(1, "bag_sync")
+        self._sync: Future[None] | None = None
+        self._thread = threading.Thread(target=self._run, name="bag_writer", daemon=True)
+        self._thread.start()
+
+    @property
+    def trouble(self) -> str:
+        """What keeps the disk from taking messages; "" while it takes them."""
+        return self._trouble
+
+    @property
+    def message_count(self) -> int:
+        """Number of messages that the system has taken."""
+        return self._files.message_count
+
+    def add_topic(self, topic: RecordedTopic) -> int:
+        """Add a topic and return its number."""
+        return self._files.add_topic(topic)
+
+    def write(self, topic: int, received: int, data: bytes) -> None:
+        """Take a message; returns at once, whatever the disk does.
+
+        Parameters
+        ----------
+        topic : int
+            Number of the topic, see :meth:`add_topic`.
+        received : int
+            Time of reception [ns].
+        data : bytes
+            Serialized message.
+        """
+        if self._failure is not None:
+            raise self._failure
+        with self._lock:
+            if self._queued_bytes + len(data) > self._queue_limit:
+                self.dropped[topic] += 1
+                return
+            self._queue.append(Message(topic, received, received, data))
+            before = self._queued_bytes
+            self._queued_bytes += len(data)
+        if before < _EARLY_COMMIT <= self._queued_bytes:
+            self._wake.set()
+
+    def close(self, custom_data: dict[str, str]) -> None:
+        """Write what is left and close the bag.
+
+        Parameters
+        ----------
+        custom_data : dict
+            Goes into the metadata, with the number of messages dropped.
+
+        Raises
+        ------
+        BagWriteError
+            If the disk refuses the rest; what it took before can be recovered.
+        """
+        self._stopping = True
+        self._wake.set()
+        self._thread.join()
+        self._sync_thread.shutdown()
+        if self._failure is not None:
+            self._files.abandon()
+            raise self._failure
+        self._files.append(self._take_queue())
+        try:
+            self._files.close({**custom_data, "messages_dropped": str(self.dropped.total())})
+        except BagWriteError:
+            self.dropped.update(message.topic for message in self._files.unwritten)
+            raise
+
+    def _run(self) -> None:
+        try:
+            while not self._stopping:
+                self._wake.wait(COMMIT_PERIOD)
+                self._wake.clear()
+                self._write_out()
+        except Exception as error:  # noqa: BLE001
+            # Raised to whoever writes or closes; here nobody would hear it.
+            self._failure = error
+
+    def _write_out(self) -> None:
+        try:
+            # What the disk refused before goes first; until then the queue stays, and is bounded.
+            if self._files.unwritten:
+                self._files.commit()
+            self._files.append(self._take_queue())
+            self._files.commit()
+            self._sync_in_background()
+        except BagWriteError as error:
+            if not self._trouble:
+                self._report(
+                    f"cannot write {self._files.folder}: {error}: what is recorded so far is kept, "
+                    "what comes is kept in memory as long as possible, then dropped"
+                )
+            self._trouble = str(error)
+        else:
+            if self._trouble:
+                self._report(
+                    f"{self._files.folder} can be written again: "
+                    f"{self.dropped.total()} messages were dropped"
+                )
+            self._trouble = ""
+
+    def _sync_in_background(self) -> None:
+        if self._sync is not None:
+            if not self._sync.done():
+                return
+            self._sync.result()
+        self._sync = self._sync_thread.submit(self._files.sync)
+
+    def _take_queue(self) -> list[Message]:
+        with self._lock:
+            taken, self._queue = self._queue, []
+            self._queued_bytes = 0
+        return taken

@@ -1,0 +1,46 @@
+"""Spinning that takes messages in strokes, so that they disturb nobody as they come."""
+
+import time
+from typing import Protocol
+
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import uninstall_signal_handlers
+
+from bdt_bringup.running.stop_signals import StopSignals
+
+STROKE = 0.005
+"""Wall time [s] between two looks at what has arrived."""
+
+QUIET = 0.2
+"""Wall time [s] without a message after which nothing more is on its way."""
+
+
+class MessageCounter(Protocol):
+    """A node that counts the messages it takes."""
+
+    messages: int
+
+
+def spin_in_strokes(executor: SingleThreadedExecutor, node: MessageCounter) -> None:
+    """Run callbacks until a signal comes, and then those of what was sent before it.
+
+    An executor that waits is woken by every message, twice in a control period, and on a small
+    computer each time in the way of the controller. Here messages gather while nobody waits.
+
+    Parameters
+    ----------
+    executor : SingleThreadedExecutor
+        Executor that has the node.
+    node : MessageCounter
+        The node.
+    """
+    uninstall_signal_handlers()
+    with StopSignals() as signals:
+        last_message = time.monotonic()
+        while not (signals.requested and time.monotonic() - last_message > QUIET):
+            taken = node.messages
+            executor.spin_once(timeout_sec=0.0)
+            if node.messages > taken:
+                last_message = time.monotonic()
+            else:
+                time.sleep(STROKE)

@@ -1,0 +1,178 @@
+"""Whoever records never waits for the disk, loses little in a crash and is told what is lost."""
+
+import os
+import resource
+import threading
+import time
+
+import pytest
+from rosbags.rosbag2 import Reader
+
+from bdt_bringup.bag_writing import mcap_file
+from bdt_bringup.bag_writing.background_writer import BackgroundWriter
+from bdt_bringup.bag_writing.bag_files import BagFiles
+from bdt_bringup.bag_writing.recorded_topic import BagWriteError, recorded_topic
+from bdt_bringup.recovery.recover_bag import recover_bag
+
+DEADLINE = 20.0
+LIMIT = 300_000
+STORAGES = ["mcap", "sqlite3"]
+
+
+def wait_until(condition):
+    end = time.monotonic() + DEADLINE
+    while not condition():
+        assert time.monotonic() < end, f"not within {DEADLINE} s"
+        time.sleep(0.01)
+
+
+def write_until_trouble(writer, topic) -> int:
+    """Write in small steps until the disk refuses; return the number of messages."""
+    count = 0
+    while not writer.trouble:
+        for _ in range(50):
+            writer.write(topic, count, data(count))
+            count += 1
+        wait_until(lambda count=count: writer.trouble or writer.message_count == count)
+    return count
+
+
+def data(number: int) -> bytes:
+    return number.to_bytes(8, "little") * 125
+
+
+def numbers(path) -> list[int]:
+    with Reader(path) as reader:
+        return [int.from_bytes(content[:8], "little") for _, _, content in reader.messages()]
+
+
+@pytest.fixture
+def begin(tmp_path):
+    started = []
+
+    def start(**options):
+        limit = options.pop("queue_limit", 1 << 20)
+        reports: list[str] = []
+        writer = BackgroundWriter(BagFiles(tmp_path / "bag", **options), reports.append, limit)
+        topic = writer.add_topic(recorded_topic("/count", "std_msgs/msg/String", ""))
+        started.append(writer)
+        return writer, topic, reports
+
+    yield start
+    for writer in started:
+        if writer._thread.is_alive():
+            writer.close({})
+
+
+@pytest.fixture
+def full_disk():
+    """Return functions that make files grow no more, and grow again."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def set_limit(size: int) -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+
+    yield lambda: set_limit(LIMIT), lambda: set_limit(before[0])
+    set_limit(before[0])
+
+
+def test_messages_are_handed_to_the_system_without_a_close(begin, tmp_path):
+    writer, topic, _ = begin()
+    for number in range(10):
+        writer.write(topic, number, data(number))
+    wait_until(lambda: writer.message_count == 10)
+    assert numbers(recover_bag(tmp_path / "bag").output) == list(range(10))
+
+
+def test_what_was_committed_is_carried_to_the_disk_itself(begin, tmp_path, monkeypatch):
+    synced = []
+    real = os.fdatasync
+
+    def noted(descriptor):
+        size = os.fstat(descriptor).st_size
+        real(descriptor)
+        synced.append(size)
+
+    monkeypatch.setattr(mcap_file.os, "fdatasync", noted)
+    writer, topic, _ = begin()
+    file = tmp_path / "bag" / "bag_0.mcap"
+    for number in range(3):
+        writer.write(topic, number, data(number))
+        wait_until(lambda number=number: writer.message_count == number + 1)
+        wait_until(lambda: synced and synced[-1] == file.stat().st_size)
+
+
+def test_writing_does_not_wait_while_the_disk_does(begin, monkeypatch):
+    blocked, released = threading.Event(), threading.Event()
+    real = os.pwrite
+
+    def slow(*arguments):
+        blocked.set()
+        assert released.wait(DEADLINE)
+        return real(*arguments)
+
+    writer, topic, reports = begin(queue_limit=100_000)
+    monkeypatch.setattr(mcap_file.os, "pwrite", slow)
+    writer.write(topic, 0, data(0))
+    assert blocked.wait(DEADLINE)
+    began = time.monotonic()
+    for number in range(1, 201):
+        writer.write(topic, number, data(number))
+    assert time.monotonic() - began < 1.0
+    # A queue of 100 000 bytes holds 100 messages of 1000; the rest is dropped, and counted.
+    assert writer.dropped == {topic: 100}
+    released.set()
+    wait_until(lambda: writer.message_count == 101)
+    assert reports == []
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_recording_goes_on_when_a_full_disk_has_space_again(begin, tmp_path, full_disk, storage):
+    fill, free = full_disk
+    writer, topic, reports = begin(storage=storage)
+    fill()
+    count = write_until_trouble(writer, topic)
+    for _ in range(3000):
+        writer.write(topic, count, data(count))
+        count += 1
+    assert writer.dropped[topic] > 0
+    assert len(reports) == 1
+    assert f"cannot write {tmp_path / 'bag'}" in reports[0]
+    free()
+    wait_until(lambda: not writer.trouble)
+    assert "can be written again" in reports[1]
+    writer.write(topic, count, data(count))
+    writer.close({})
+    found = numbers(tmp_path / "bag")
+    assert found == sorted(set(found))
+    assert found[-1] == count
+    assert len(found) == count + 1 - writer.dropped[topic]
+    assert len(reports) == 2
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_what_a_full_disk_has_taken_is_kept(begin, tmp_path, full_disk, storage):
+    fill, free = full_disk
+    writer, topic, _ = begin(storage=storage)
+    fill()
+    count = write_until_trouble(writer, topic)
+    with pytest.raises(BagWriteError):
+        writer.close({})
+    free()
+    written = writer.message_count
+    assert writer.dropped[topic] == count - written
+    assert written > 100
+    assert numbers(recover_bag(tmp_path / "bag").output)[:written] == list(range(written))
+
+
+def test_an_unexpected_failure_reaches_the_one_who_records(begin, monkeypatch):
+    writer, topic, _ = begin()
+    monkeypatch.setattr(BagFiles, "commit", lambda self: 1 / 0)
+
+    def write():
+        writer.write(topic, 0, data(0))
+
+    with pytest.raises(ZeroDivisionError):
+        wait_until(write)
+    with pytest.raises(ZeroDivisionError):
+        writer.close({})

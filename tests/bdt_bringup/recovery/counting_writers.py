@@ -1,0 +1,78 @@
+"""Processes that write counted messages until they are killed.
+
+``python counting_writers.py FOLDER SEED KILLS KIND ...`` starts KILLS processes of each KIND
+(``storage:compression:split_size:split_duration``), kills each at a random moment and prints the
+times as JSON. A process notes the time of each message in ``FOLDER/<name>.times`` once the
+writer has taken it.
+"""
+
+import json
+import mmap
+import os
+import signal
+import struct
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from bdt_bringup.bag_writing.background_writer import BackgroundWriter
+from bdt_bringup.bag_writing.bag_files import BagFiles
+from bdt_bringup.bag_writing.recorded_topic import recorded_topic
+
+TOPICS = ("/count", "/again")
+PERIOD = 2e-3
+LONGEST = 3.0
+"""Nothing is killed later than this [s]."""
+
+
+def content(number: int) -> bytes:
+    """Return the message with a number, between 8 and 1500 bytes."""
+    return (number.to_bytes(8, "little") * 200)[: 8 + number * 7919 % 1492]
+
+
+def write_until_killed(bag: Path, kind: str, times: Path) -> None:
+    storage, compression, split_size, split_duration = kind.split(":")
+    files = BagFiles(
+        bag,
+        storage=storage,
+        compression=compression,
+        split_size=int(split_size),
+        split_duration=float(split_duration),
+    )
+    writer = BackgroundWriter(files, print)
+    topics = [writer.add_topic(recorded_topic(name, "std_msgs/msg/String", "")) for name in TOPICS]
+    with times.open("r+b") as file, mmap.mmap(file.fileno(), 0) as shared:
+        for number in range(len(shared) // 8):
+            writer.write(topics[number % 2], time.time_ns(), content(number))
+            struct.pack_into("<q", shared, 8 * number, time.monotonic_ns())
+            time.sleep(PERIOD)
+
+
+def main() -> None:
+    folder, seed, kills, *kinds = sys.argv[1:]
+    moments = np.random.default_rng(int(seed))
+    started = []
+    for kind in kinds:
+        for _ in range(int(kills)):
+            name = f"bag{len(started)}"
+            times = Path(folder) / f"{name}.times"
+            times.write_bytes(bytes(8 * round(2 * LONGEST / PERIOD)))
+            pid = os.fork()
+            if pid == 0:
+                write_until_killed(Path(folder) / name, kind, times)
+                os._exit(1)
+            moment = time.monotonic() + moments.uniform(0.3, LONGEST)
+            started.append((moment, pid, name))
+    killed = {}
+    for moment, pid, name in sorted(started):
+        time.sleep(max(moment - time.monotonic(), 0.0))
+        killed[name] = time.monotonic_ns()
+        os.kill(pid, signal.SIGKILL)
+        assert os.WIFSIGNALED(os.waitpid(pid, 0)[1])
+    print(json.dumps(killed))
+
+
+if __name__ == "__main__":
+    main()
