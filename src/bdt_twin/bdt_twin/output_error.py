@@ -260,9 +260,9 @@ def _gap_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
 
 
 def _growth_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
-    """Return the growth rate over two knots before a time and its uncertainty [rad/s]."""
+    """Return the growth rate over four knots before a time and its uncertainty [rad/s]."""
     spacing = float(window.knots[1] - window.knots[0])
-    before = max(at - 2 * spacing, float(window.knots[0]))
+    before = max(at - 4 * spacing, float(window.knots[0]))
     after = max(at, before + spacing)
     weights = window.weights(np.array([before, after])) @ np.array([-1.0, 1.0]) / (after - before)
     uncertainty = math.sqrt(float(weights @ fit.covariance @ weights))
