@@ -23,7 +23,7 @@ def unknowns_of(window):
     beginnings = np.zeros((len(window.stretches), len(BEGINNING)))
     beginnings[:] = [0.3, 1e-4, 2e-4, -1e-3, 3e-4, 2e-3]
     gaps = np.deg2rad(np.linspace(8.0, 12.0, KNOTS.size))
-    return Unknowns(gaps, np.array([0.02, -0.01, 0.1]), beginnings)
+    return Unknowns(gaps, np.array([0.021, -0.013, 0.105]), beginnings)
 
 
 def means(window, unknowns):

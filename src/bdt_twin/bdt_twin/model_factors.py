@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.motor import MotorStep
-from bdt_plant.plant import ContactStep, PlantModel, PlantStep, discretize_plant
+from bdt_plant.plant import PlantModel, PlantStep, discretize_plant
 from bdt_plant.structure import StructureStep, discretize_structure
 
 FloatArray = NDArray[np.float64]
@@ -56,11 +55,13 @@ def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) 
     """
     numbers = _interpolated(lambda point: _plant_numbers(model, point, sample_time), factors)
     motor, structure, contact = np.split(numbers, [9, 33])
-    return PlantStep(
-        MotorStep(*_rows(motor, 3)),
-        StructureStep(*_rows(structure, 4)),
-        ContactStep(*_rows(contact, 4)),
-        float(model.lead_screw.pitch),
+    # Whatever else a step holds does not depend on the factors.
+    origin = _plant_at(model, (0,) * len(FACTORS), sample_time)
+    return origin._replace(
+        motor=type(origin.motor)(*_rows(motor, 3)),
+        structure=StructureStep(*_rows(structure, 4)),
+        contact=type(origin.contact)(*_rows(contact, 4)),
+        pitch=float(origin.pitch),
     )
 
 
@@ -116,9 +117,15 @@ def _interpolated(make: Callable[[Point], FloatArray], factors: FloatArray) -> F
 
 
 @lru_cache(maxsize=1024)
+def _plant_at(model: PlantModel, point: Point, sample_time: float) -> PlantStep:
+    """Return the discrete plant at a point of the grid."""
+    return discretize_plant(model_with(model, FACTOR_GRID * np.array(point)), sample_time)
+
+
+@lru_cache(maxsize=1024)
 def _plant_numbers(model: PlantModel, point: Point, sample_time: float) -> FloatArray:
     """Return the numbers of the discrete plant at a point of the grid."""
-    step = discretize_plant(model_with(model, FACTOR_GRID * np.array(point)), sample_time)
+    step = _plant_at(model, point, sample_time)
     rows = [*step.motor, *step.structure, *step.contact]
     return np.array([number for row in rows for number in row], dtype=np.float64)
 

@@ -47,14 +47,11 @@ class Lesson:
         The model fitted to the data.
     estimate : Estimate
         What it taught.
-    growth_uncertainty : float
-        Standard uncertainty of the estimate's growth [rad/s].
     """
 
     window: WindowModel
     fit: Fit
     estimate: Estimate
-    growth_uncertainty: float
 
 
 class OutputErrorEstimator:
@@ -63,8 +60,8 @@ class OutputErrorEstimator:
     An estimate states the gap at the last reversal of the screw: later samples tell nothing about
     the gap until the screw reverses again. Its time is that of this reversal, when the screw began
     to move the other way, so the gap at another time is ``gap + growth * (time - estimate.time)``.
-    A window that teaches nothing repeats the last estimate for the end of the window, with an
-    uncertainty that covers what the gap may have grown by then.
+    A window that teaches nothing repeats the last estimate, with an uncertainty that covers all
+    that the gap may have grown until the end of the window.
 
     A missing batch leaves a hole. The stretches of data on its sides are fitted together, each
     with a beginning of its own, because what the motor did in between is unknown; those shorter
@@ -227,12 +224,20 @@ class OutputErrorEstimator:
             )
         growth, growth_uncertainty = _growth_at(window, fit, at)
         gain = math.exp(fit.unknowns.factors[FACTORS.index("gain")])
-        estimate = Estimate(stamp, gap, uncertainty, growth, gain, len(reversals))
-        self.lesson = Lesson(window, fit, estimate, growth_uncertainty)
+        estimate = Estimate(
+            time=stamp,
+            gap=gap,
+            uncertainty=uncertainty,
+            growth=growth,
+            growth_uncertainty=growth_uncertainty,
+            gain_correction=gain,
+            reversals=len(reversals),
+        )
+        self.lesson = Lesson(window, fit, estimate)
         return estimate
 
     def _kept(self, time: float, reason: str) -> Estimate:
-        """Return the last estimate for `time`, as unsure as it is by then."""
+        """Return the last estimate, as unsure as it is for a window that ends at `time`."""
         if self.lesson is None:
             return Estimate(time, math.nan, math.inf, reason=reason)
         last = self.lesson.estimate
@@ -240,10 +245,10 @@ class OutputErrorEstimator:
         uncertainty = math.hypot(
             last.uncertainty,
             age * last.growth,
-            age * self.lesson.growth_uncertainty,
+            age * last.growth_uncertainty,
             self._settings.growth_change * math.sqrt(age**3 / 3),
         )
-        return last._replace(time=time, uncertainty=uncertainty, reason=reason)
+        return last._replace(uncertainty=uncertainty, reason=reason)
 
 
 def _gap_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
@@ -260,9 +265,9 @@ def _gap_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
 
 
 def _growth_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
-    """Return the growth rate over two knots before a time and its uncertainty [rad/s]."""
+    """Return the growth rate over four knots before a time and its uncertainty [rad/s]."""
     spacing = float(window.knots[1] - window.knots[0])
-    before = max(at - 2 * spacing, float(window.knots[0]))
+    before = max(at - 4 * spacing, float(window.knots[0]))
     after = max(at, before + spacing)
     weights = window.weights(np.array([before, after])) @ np.array([-1.0, 1.0]) / (after - before)
     uncertainty = math.sqrt(float(weights @ fit.covariance @ weights))

@@ -28,7 +28,7 @@ class OutputErrorSettings:
         maximum=1e5,
     )
     knot_spacing: float = quantity(
-        2.0,
+        1.0,
         "s",
         "spacing of the knots between which the gap grows evenly",
         minimum=0.1,
