@@ -8,6 +8,8 @@ import pytest
 from bdt_plant.plant import PlantModel
 from bdt_twin.estimator_choice import EstimatorChoice, create_estimator
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
+from bdt_twin.output_error import OutputErrorEstimator
+from bdt_twin.output_error_settings import OutputErrorSettings
 
 THIRD_PARTY = """
 import math
@@ -28,12 +30,20 @@ class Stubborn:
 
 def create(kind, rate=5000.0):
     settings = InverseFilterSettings(sampling_rate=rate)
-    return create_estimator(EstimatorChoice(kind), PlantModel(), settings)
+    fitting = OutputErrorSettings()
+    return create_estimator(EstimatorChoice(kind), PlantModel(), settings, fitting)
 
 
 def test_the_paper_s_estimator_is_the_default():
     assert EstimatorChoice().kind == "inverse_filter"
     assert isinstance(create("inverse_filter"), InverseFilterEstimator)
+
+
+def test_the_estimator_for_measured_signals_has_the_sampling_rate_of_the_telemetry():
+    estimator = create("output_error", 1000.0)
+    assert isinstance(estimator, OutputErrorEstimator)
+    rows = np.column_stack([np.arange(100) / 1000.0, np.zeros((100, 2))])
+    assert estimator.update(rows).reason
 
 
 def test_one_file_adds_an_estimator(tmp_path, monkeypatch):

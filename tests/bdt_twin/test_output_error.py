@@ -21,7 +21,7 @@ from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
 
 RATE = 1000.0
-CHOSEN = OutputErrorSettings(sampling_rate=RATE, window=10.0, update_period=1.0)
+CHOSEN = OutputErrorSettings(window=10.0, update_period=1.0)
 GROWING = GapProfile(initial=math.radians(4.0), final=math.radians(24.0), growth_time=40.0)
 KINKED = GapProfile(
     kind="table",
@@ -40,9 +40,9 @@ OTHER_PLANT = PlantModel(
 )
 
 
-def estimates_of(rows, chosen=CHOSEN, cuts=(), without=()):
+def estimates_of(rows, chosen=CHOSEN, cuts=(), without=(), rate=RATE):
     """Return the estimates from batches that end at `cuts`, without some of their numbers."""
-    estimator = OutputErrorEstimator(PlantModel(), chosen)
+    estimator = OutputErrorEstimator(PlantModel(), chosen, rate)
     batches = list(pairwise([0, *sorted(cuts), len(rows)]))
     found = [
         estimator.update(rows[begin:end])
@@ -72,8 +72,8 @@ def errors_of(found, profile):
 @pytest.mark.parametrize("profile", PROFILES[:3])
 def test_clean_telemetry_gives_the_gap_to_a_hundredth_of_a_degree(closed_loop, profile):
     rows = closed_loop(profile, 16.0, rate=5000.0).rows
-    chosen = replace(CHOSEN, sampling_rate=5000.0)
-    errors, _ = errors_of(estimates_of(rows, chosen, seconds(rows, 5000.0)), profile)
+    found = estimates_of(rows, cuts=seconds(rows, 5000.0), rate=5000.0)
+    errors, _ = errors_of(found, profile)
     assert errors.size >= 14
     assert np.sqrt(np.mean(errors**2)) < 0.01
 
@@ -100,7 +100,7 @@ def test_where_the_model_is_exact_the_error_is_near_the_cramer_rao_bound(closed_
     profile, errors, bounds = PROFILES[0], [], []
     rows = closed_loop(profile, 20.0).rows
     for seed in range(12):
-        estimator = OutputErrorEstimator(PlantModel(), replace(CHOSEN, update_period=10.0))
+        estimator = OutputErrorEstimator(PlantModel(), replace(CHOSEN, update_period=10.0), RATE)
         estimate = None
         for batch in np.split(measured(rows, 5e-6, 1e-9, seed), 2):
             estimate = estimator.update(batch)
@@ -151,7 +151,7 @@ def steps_by_hand():
 
 def test_newest_only_lets_stale_windows_go(closed_loop):
     rows = measured(closed_loop(duration=10.0).rows, 1e-6, 1e-7, 0)
-    behind = OutputErrorEstimator(PlantModel(), CHOSEN)
+    behind = OutputErrorEstimator(PlantModel(), CHOSEN, RATE)
     newest = behind.update(rows, newest_only=True)
     [expected] = estimates_of(rows)
     assert newest.time == expected.time
@@ -232,7 +232,7 @@ def test_the_last_estimate_is_kept_with_an_uncertainty_that_grows(closed_loop):
 
 def test_short_data_after_a_hole_teach_nothing(closed_loop):
     rows = closed_loop().rows
-    estimator = OutputErrorEstimator(PlantModel(), CHOSEN)
+    estimator = OutputErrorEstimator(PlantModel(), CHOSEN, RATE)
     assert estimator.update(rows[:901]).reason == "no 1 s of data without a hole"
     estimator.restart()
     assert estimator.update(rows[5500:6100]).reason == "no 1 s of data without a hole"
@@ -243,7 +243,7 @@ def test_short_data_after_a_hole_teach_nothing(closed_loop):
 
 def test_time_that_goes_back_restarts(closed_loop):
     rows = closed_loop().rows
-    estimator = OutputErrorEstimator(PlantModel(), CHOSEN)
+    estimator = OutputErrorEstimator(PlantModel(), CHOSEN, RATE)
     estimator.update(rows)
     assert estimator.lesson is not None
     with pytest.raises(TelemetryRejectedError, match="time goes back"):
@@ -254,13 +254,13 @@ def test_time_that_goes_back_restarts(closed_loop):
 
 def test_without_numba_the_estimates_are_the_same(closed_loop, monkeypatch):
     rows = closed_loop(duration=4.0, rate=500.0).rows
-    chosen = replace(CHOSEN, sampling_rate=500.0, window=3.0, update_period=3.0)
-    compiled = estimates_of(rows, chosen)
+    chosen = replace(CHOSEN, window=3.0, update_period=3.0)
+    compiled = estimates_of(rows, chosen, rate=500.0)
     monkeypatch.setattr(compilation, "find_spec", lambda _: None)
     for cached in (compiled_window, compiled_structure):
         cached.cache_clear()
     try:
-        plain = estimates_of(rows, chosen)
+        plain = estimates_of(rows, chosen, rate=500.0)
     finally:
         for cached in (compiled_window, compiled_structure):
             cached.cache_clear()

@@ -8,7 +8,6 @@ from bdt_twin.output_error_settings import OutputErrorSettings
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"update_period": 0.0011}, "update_period = 0.0011 s: must be a whole number of samples"),
         ({"knot_spacing": 30.0}, r"knot_spacing = 30.0 s: must be at most the window \(20 s\)"),
         ({"shortest_stretch": 30.0}, "shortest_stretch = 30.0 s: must be at most the window"),
         ({"window": 0.0}, "window = 0.0 s: must be 1 to 1000 s"),
@@ -19,6 +18,12 @@ def test_a_contradiction_is_refused(changed, message):
         OutputErrorSettings(**changed)
 
 
+def test_an_update_period_of_broken_samples_is_refused():
+    assert OutputErrorSettings(update_period=0.5).samples_per_update(1000.0) == 500
+    with pytest.raises(ValueError, match=r"update_period = 0.0011 s: must be a whole number of"):
+        OutputErrorSettings(update_period=0.0011).samples_per_update(5000.0)
+
+
 @pytest.mark.parametrize(("rate", "block"), [(5000.0, 25), (1000.0, 5), (500.0, 2), (50.0, 1)])
 def test_a_block_has_the_samples_of_a_period_of_the_residual(rate, block):
-    assert OutputErrorSettings(sampling_rate=rate).block == block
+    assert OutputErrorSettings().samples_per_block(rate) == block

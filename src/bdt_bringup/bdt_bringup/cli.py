@@ -13,6 +13,7 @@ from bdt_bringup.bag_writing.metadata_file import is_unfinished
 from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.topic_selection import TopicSelection, topic_remapping
 from bdt_bringup.benchmarks.bench_table import bench_table
+from bdt_bringup.evaluation.command import add_evaluate_command
 from bdt_bringup.recovery.command import add_recover_command
 from bdt_bringup.running.configuration import BadInputError, load_configuration
 from bdt_bringup.running.record_command import add_record_command
@@ -230,6 +231,7 @@ def _parser() -> argparse.ArgumentParser:
     compare.set_defaults(command=_compare)
     add_record_command(commands)
     add_recover_command(commands)
+    add_evaluate_command(commands)
     bench = commands.add_parser(
         "bench",
         help="measure cores and transport beside a peer and a floor",

@@ -7,8 +7,10 @@ from bdt_msgs_py.quantities import quantity, validate
 from bdt_plant.plant import PlantModel
 from bdt_twin.estimator import Estimator
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
+from bdt_twin.output_error import OutputErrorEstimator
+from bdt_twin.output_error_settings import OutputErrorSettings
 
-KINDS = ("inverse_filter",)
+KINDS = ("inverse_filter", "output_error")
 
 
 @dataclass(frozen=True)
@@ -18,8 +20,8 @@ class EstimatorChoice:
     kind: str = quantity(
         "inverse_filter",
         "",
-        "inverse_filter (the paper's, for signals without noise), or module:name of a function "
-        "(model, sampling rate) -> estimator",
+        "inverse_filter (the paper's, for signals without noise), output_error (fits the model to "
+        "measured ones), or module:name of a function (model, sampling rate) -> estimator",
     )
 
     def __post_init__(self) -> None:
@@ -36,6 +38,7 @@ def create_estimator(
     choice: EstimatorChoice,
     model: PlantModel,
     inverse_filter: InverseFilterSettings,
+    output_error: OutputErrorSettings,
 ) -> Estimator:
     """Return the estimator of a choice.
 
@@ -47,6 +50,8 @@ def create_estimator(
         Constants of the mechanism, as the twin knows them.
     inverse_filter : InverseFilterSettings
         Settings of the paper's estimator; its sampling rate is that of the telemetry.
+    output_error : OutputErrorSettings
+        Settings of the estimator that fits the model.
 
     Raises
     ------
@@ -55,6 +60,8 @@ def create_estimator(
     """
     if choice.kind == "inverse_filter":
         return InverseFilterEstimator(model, inverse_filter)
+    if choice.kind == "output_error":
+        return OutputErrorEstimator(model, output_error, inverse_filter.sampling_rate)
     module, _, name = choice.kind.partition(":")
     try:
         factory = getattr(import_module(module), name)

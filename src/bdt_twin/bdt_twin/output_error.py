@@ -78,6 +78,13 @@ class OutputErrorEstimator:
         structure's k/m and c/m are corrected by factors that are fitted, too.
     settings : OutputErrorSettings
         Settings of the estimator.
+    sampling_rate : float
+        Sampling rate of the telemetry [Hz].
+
+    Raises
+    ------
+    ValueError
+        If the update period is not a whole number of samples.
 
     Attributes
     ----------
@@ -85,11 +92,13 @@ class OutputErrorEstimator:
         The last window that taught something, for those who want to know more than the estimate.
     """
 
-    def __init__(self, model: PlantModel, settings: OutputErrorSettings) -> None:
-        self._model, self._settings = model, settings
-        rate = settings.sampling_rate
-        self._period = round(settings.update_period * rate)
-        self._window = TelemetryWindow(rate, round(settings.window * rate))
+    def __init__(
+        self, model: PlantModel, settings: OutputErrorSettings, sampling_rate: float = 5000.0
+    ) -> None:
+        self._model, self._settings, self._rate = model, settings, sampling_rate
+        self._period = settings.samples_per_update(sampling_rate)
+        self._block = settings.samples_per_block(sampling_rate)
+        self._window = TelemetryWindow(sampling_rate, round(settings.window * sampling_rate))
         # Whatever is not in numba's cache is compiled now, not when the first batch waits.
         compiled_window()
         compiled_structure()
@@ -143,9 +152,9 @@ class OutputErrorEstimator:
     def _estimate(self, newest: int) -> Estimate:
         """Return the estimate from the window whose last sample has the number `newest`."""
         chosen, time = self._settings, self._window.time(newest)
-        rate, spacing = chosen.sampling_rate, chosen.knot_spacing
+        rate, spacing = self._rate, chosen.knot_spacing
         shortest = round(chosen.shortest_stretch * rate)
-        stretches = self._window.stretches(newest + 1, shortest, chosen.block)
+        stretches = self._window.stretches(newest + 1, shortest, self._block)
         if not stretches:
             return self._kept(time, f"no {chosen.shortest_stretch:g} s of data without a hole")
         if not any(stretch.voltage.any() for stretch in stretches):
@@ -162,7 +171,7 @@ class OutputErrorEstimator:
             math.ceil((newest + 1) / rate / spacing) + 1,
         )
         knots: FloatArray = spacing * numbers.astype(np.float64)
-        window = WindowModel(self._model, stretches, knots, rate, chosen.block)
+        window = WindowModel(self._model, stretches, knots, rate, self._block)
         return self._judge(window, self._fit(window), newest)
 
     def _fit(self, window: WindowModel) -> Fit:
@@ -191,7 +200,7 @@ class OutputErrorEstimator:
         gaps = np.maximum(gaps, 0.0)
         beginnings = _beginnings(window)
         for beginning, stretch in zip(beginnings, window.stretches, strict=True):
-            half = 0.5 * float(np.interp(stretch.first / self._settings.sampling_rate, knots, gaps))
+            half = 0.5 * float(np.interp(stretch.first / self._rate, knots, gaps))
             for old, run in zip(before.stretches, fit.runs, strict=True):
                 sample = stretch.first - old.first
                 if 0 <= sample < run.lag.size and half > 0.0:
@@ -215,8 +224,8 @@ class OutputErrorEstimator:
                 f"of a motion of {1e6 * motion:.3g} um",
             )
         # Telemetry may be stamped anywhere between two multiples of the sample time.
-        at = reversals[-1] / chosen.sampling_rate
-        stamp = time - (newest - reversals[-1]) / chosen.sampling_rate
+        at = reversals[-1] / self._rate
+        stamp = time - (newest - reversals[-1]) / self._rate
         gap, uncertainty = _gap_at(window, fit, at)
         if uncertainty > chosen.largest_uncertainty:
             return self._kept(

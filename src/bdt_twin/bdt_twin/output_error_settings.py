@@ -11,9 +11,6 @@ from bdt_msgs_py.quantities import quantity, validate
 class OutputErrorSettings:
     """Settings of the estimator by output error."""
 
-    sampling_rate: float = quantity(
-        5000.0, "Hz", "sampling rate of the telemetry", minimum=1.0, maximum=1e5
-    )
     window: float = quantity(
         20.0, "s", "length of the newest data that one estimate rests on", minimum=1.0, maximum=1e3
     )
@@ -54,12 +51,6 @@ class OutputErrorSettings:
 
     def __post_init__(self) -> None:
         validate(self)
-        samples = self.update_period * self.sampling_rate
-        if abs(samples - round(samples)) > 1e-6 or round(samples) < 1:
-            raise ValueError(
-                f"OutputErrorSettings.update_period = {self.update_period!r} s: "
-                f"must be a whole number of samples at {self.sampling_rate:g} Hz"
-            )
         if self.knot_spacing > self.window:
             raise ValueError(
                 f"OutputErrorSettings.knot_spacing = {self.knot_spacing!r} s: "
@@ -71,7 +62,22 @@ class OutputErrorSettings:
                 f"must be at most the window ({self.window:g} s)"
             )
 
-    @property
-    def block(self) -> int:
-        """Samples over which the residual is averaged."""
-        return max(round(self.sampling_rate / self.residual_rate), 1)
+    def samples_per_update(self, sampling_rate: float) -> int:
+        """Return the number of samples in an update period.
+
+        Raises
+        ------
+        ValueError
+            If it is not whole.
+        """
+        samples = self.update_period * sampling_rate
+        if abs(samples - round(samples)) > 1e-6 or round(samples) < 1:
+            raise ValueError(
+                f"OutputErrorSettings.update_period = {self.update_period!r} s: "
+                f"must be a whole number of samples at {sampling_rate:g} Hz"
+            )
+        return round(samples)
+
+    def samples_per_block(self, sampling_rate: float) -> int:
+        """Return the number of samples over which the residual is averaged."""
+        return max(round(sampling_rate / self.residual_rate), 1)

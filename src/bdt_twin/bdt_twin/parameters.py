@@ -7,6 +7,7 @@ from bdt_twin.dead_zone_width import DeadZoneSettings
 from bdt_twin.estimator_choice import EstimatorChoice
 from bdt_twin.inverse_filter import InverseFilterSettings
 from bdt_twin.link import LinkSettings
+from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.twin_settings import TwinSettings
 
 PARAMETERS = (
@@ -15,6 +16,7 @@ PARAMETERS = (
     ("dead_zone", DeadZoneSettings),
     ("estimator", EstimatorChoice),
     ("estimator", InverseFilterSettings),
+    ("output_error", OutputErrorSettings),
     ("motor", MotorParameters),
     ("lead_screw", LeadScrewParameters),
     ("structure", StructureParameters),

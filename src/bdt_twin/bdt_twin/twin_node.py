@@ -60,14 +60,15 @@ class TwinNode(Node):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(TWIN_NODE, **node_arguments)
-        self._settings, link, dead_zone, self._choice, inverse_filter, *parts = declare_all(
-            self, PARAMETERS
+        self._settings, link, dead_zone, self._choice, *estimators, motor, screw, structure = (
+            declare_all(self, PARAMETERS)
         )
-        model = PlantModel(*parts)
+        model = PlantModel(motor, screw, structure)
+        inverse_filter, output_error = estimators
         self._sampling_rate: float = inverse_filter.sampling_rate
         with gone_if_refused(self):
             try:
-                estimator = create_estimator(self._choice, model, inverse_filter)
+                estimator = create_estimator(self._choice, model, inverse_filter, output_error)
             except ValueError as error:
                 raise ConfigurationError(f"parameter {error}") from error
         self._link = DelayedLink(link)
