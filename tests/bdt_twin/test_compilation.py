@@ -1,5 +1,8 @@
 """Loops compile at once, also where no cache can be written; without numba they just run."""
 
+import hashlib
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -44,3 +47,44 @@ def test_without_a_folder_for_the_cache_a_loop_is_compiled_all_the_same(monkeypa
 def test_without_numba_the_loop_runs_as_it_is(monkeypatch):
     monkeypatch.setattr(compilation, "find_spec", lambda _: None)
     assert compile_loop(double, f"void({GIVEN}, {WRITTEN})") is double
+
+
+def plus_one(value):
+    return value + 1.0
+
+
+def build(sources):
+    def loop(given, written):
+        _ = sources
+        for n in range(given.size):
+            written[n] = plus_one(given[n])
+
+    return loop
+
+
+def signature():
+    given = numba.types.Array(numba.types.float64, 1, "C", readonly=True)
+    return given, numba.types.Array(numba.types.float64, 1, "C")
+
+
+def test_a_loop_is_compiled_with_the_steps_that_it_calls():
+    loop = compilation.compile_with_steps(build, [plus_one], signature)
+    written = np.empty(3)
+    loop(np.arange(3.0), written)
+    assert len(loop.signatures) == 1
+    assert written.tolist() == [1.0, 2.0, 3.0]
+
+
+def test_the_loop_holds_a_hash_of_the_sources_of_its_steps(monkeypatch):
+    built = []
+    monkeypatch.setattr(compilation, "compile_loop", lambda loop, _: built.append(loop))
+    compilation.compile_with_steps(build, [plus_one], signature)
+    [held] = built[0].__closure__
+    assert held.cell_contents == hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
+
+
+def test_without_numba_a_loop_with_steps_runs_as_it_is(monkeypatch):
+    monkeypatch.setattr(compilation, "find_spec", lambda _: None)
+    written = np.empty(1)
+    compilation.compile_with_steps(build, [plus_one], signature)(np.ones(1), written)
+    assert written.tolist() == [2.0]
