@@ -1,6 +1,9 @@
 """What goes over the network, seen by plain Cyclone DDS with types declared independently."""
 
+import re
 import struct
+import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -218,7 +221,7 @@ def test_discovery_stays_on_loopback_unless_told_otherwise():
     local = domain_configuration(None, None)
     assert local == domain_configuration("localhost", "")
     assert 'name="lo" multicast="false"' in local
-    assert '<Peer address="127.0.0.1"/>' in local
+    assert '<Peer address="127.0.0.1" PruneDelay="inf"/>' in local
     assert "<MaxAutoParticipantIndex>119<" in local
     assert "<Peer" not in domain_configuration("OFF", None)
     assert domain_configuration("SUBNET", None) == ""
@@ -226,6 +229,37 @@ def test_discovery_stays_on_loopback_unless_told_otherwise():
     assert domain_configuration("SYSTEM_DEFAULT", "10.0.0.1") == ""
     with pytest.raises(RCLError, match="'EVERYWHERE'"):
         domain_configuration("EVERYWHERE", None)
+
+
+# Hears others but tells nobody on loopback of itself, as rmw_fastrtps does in the range SUBNET.
+HEARER = """
+import sys, time
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsParticipant
+from cyclonedds.domain import Domain, DomainParticipant
+domain = Domain(int(sys.argv[1]), sys.argv[2])
+participant = DomainParticipant(int(sys.argv[1]))
+reader = BuiltinDataReader(participant, BuiltinTopicDcpsParticipant)
+end = time.monotonic() + 15
+while len(reader.read(N=10)) < 2 and time.monotonic() < end:
+    time.sleep(0.01)
+print(len(reader.read(N=10)), "participants")
+"""
+
+
+def test_who_only_listens_on_loopback_finds_a_node_that_runs_already(ros):
+    ros.create(Node, "n")
+    ros.spin_for(2.0)  # a new participant announces itself to everybody a few times
+    silent = re.sub(
+        "<Peers>.*</Peers>", '<Peers AddLocalhost="false"/>', domain_configuration("", "")
+    )
+    hearer = subprocess.run(
+        [sys.executable, "-c", HEARER, str(ros.context.get_domain_id()), silent],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=True,
+    )
+    assert hearer.stdout == "2 participants\n"
 
 
 def test_no_multicast_group_is_joined(ros):
