@@ -34,7 +34,7 @@ _LOOPBACK = (
     "<ParticipantIndex>auto</ParticipantIndex>"
     f"<MaxAutoParticipantIndex>{_LAST_PARTICIPANT_INDEX}</MaxAutoParticipantIndex>"
     "<SPDPInterval>2s</SPDPInterval>"
-    "{peers}"
+    "{reach}"
     "</Discovery>"
 )
 
@@ -102,10 +102,12 @@ def domain_configuration(discovery_range: str | None, static_peers: str | None) 
         case "SUBNET":
             body = f"<Discovery>{_peers(peers)}</Discovery>" if peers else ""
         case "OFF":
-            body = _LOOPBACK.format(interface="lo", peers="")
+            # Without peers Cyclone takes this machine for one. The tag is that of rmw_cyclonedds.
+            tag = f"<Tag>ros_discovery_off_{os.getpid()}</Tag>"
+            body = _LOOPBACK.format(interface="lo", reach=tag)
         case "LOCALHOST":
             # Hosts of their own need an interface of their own: loopback reaches none of them.
-            body = _LOOPBACK.format(interface="lo", peers=_peers(peers, _THIS_MACHINE))
+            body = _LOOPBACK.format(interface="lo", reach=_peers(peers, _THIS_MACHINE))
             if peers:
                 body = body.replace('name="lo"', 'autodetermine="true"')
         case _:
