@@ -1,12 +1,15 @@
 """CDR is byte for byte what Jazzy writes (vectors from rclpy 7.1.3) and what rosbags reads."""
 
+import contextlib
 import struct
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from embedded_ros.cdr import CdrError
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from hypothesis import given
 from hypothesis import strategies as st
@@ -24,9 +27,12 @@ from std_msgs.msg import (
     Header,
     MultiArrayDimension,
     String,
+    UInt8MultiArray,
 )
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
+
+TYPES = [Bool, ByteMultiArray, DiagnosticArray, Empty, JointState, ParameterEvent, String]
 
 GOLDEN = [
     (
@@ -106,6 +112,26 @@ def test_an_array_that_was_received_can_be_changed():
 def test_bytes_that_are_no_message_are_an_error(payload):
     with pytest.raises(RuntimeError, match=r"failed to deserialize|not little-endian"):
         deserialize_message(payload, String)
+
+
+@given(st.lists(st.sampled_from([0, 1, 2, 5, 77, 255]), max_size=100), st.sampled_from(TYPES))
+def test_any_bytes_are_a_message_or_an_error(body, message_type):
+    with contextlib.suppress(CdrError):
+        deserialize_message(b"\0\1\0\0" + bytes(body), message_type)
+
+
+@pytest.mark.parametrize("message_type", [ByteMultiArray, Float64MultiArray, UInt8MultiArray])
+def test_a_count_beyond_the_end_of_the_payload_costs_no_memory(message_type):
+    payload = b"\0\1\0\0" + struct.pack("<III", 0, 0, 10**6)
+    with pytest.raises(CdrError):
+        deserialize_message(payload, message_type)  # compiled outside of the measurement
+    tracemalloc.start()
+    try:
+        with pytest.raises(CdrError, match="it ends too early"):
+            deserialize_message(payload, message_type)
+        assert tracemalloc.get_traced_memory()[1] < 100_000
+    finally:
+        tracemalloc.stop()
 
 
 @pytest.mark.parametrize(

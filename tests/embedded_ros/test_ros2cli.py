@@ -12,6 +12,7 @@ import pytest
 import yaml
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
+from ros2cli.node_session import DEFAULT_SPIN_TIME
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
 
@@ -95,6 +96,23 @@ def test_nodes(robot):
     assert info[0].endswith("  Service Clients:\n\n  Action Servers:\n\n  Action Clients:\n\n")
     assert "    /_secret: std_msgs/msg/String\n" in hidden[0]
     assert nobody == failure("Unable to find node '/nobody'")
+
+
+def test_a_node_that_tells_its_name_late_is_waited_for(robot):
+    graph = robot._session.graph
+    nodes = graph._own
+    graph.leave()
+    with subprocess.Popen([*COMMAND, "node", "list"], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert robot.wait_for_node(f"/_ros2cli_{process.pid}", TIMEOUT_S)
+            # rmw_fastrtps tells a newcomer of its nodes up to 3 s after it is found.
+            with pytest.raises(subprocess.TimeoutExpired):
+                process.wait(DEFAULT_SPIN_TIME + 1.0)
+            graph._own = nodes
+            graph._publish()
+            assert process.communicate(timeout=TIMEOUT_S)[0] == "/robot\n"
+        finally:
+            process.kill()
 
 
 def test_parameters_are_shown(robot):

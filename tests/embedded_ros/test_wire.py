@@ -1,6 +1,9 @@
 """What goes over the network, seen by plain Cyclone DDS with types declared independently."""
 
+import re
 import struct
+import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,12 +18,13 @@ from embedded_ros.dds_qos import to_dds
 from embedded_ros.domain import domain_configuration
 from embedded_ros.errors import RCLError
 from embedded_ros.service_calls import ClientPorts
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import qos_profile_default
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_default
 from rclpy.serialization import serialize_message
-from std_msgs.msg import Float64
+from rclpy.wait_for_message import wait_for_message
+from std_msgs.msg import Float64, String
 from std_srvs.srv import SetBool
 
 
@@ -157,11 +161,67 @@ def test_replies_to_other_clients_are_ignored(ros):
         each.close()
 
 
+def test_what_is_no_message_is_dropped_with_a_warning_a_second(ros, capsys):
+    node = ros.create(Node, "n")
+    received = []
+    node.create_subscription(String, "s", received.append, 10)
+    publisher = node.create_publisher(String, "s", 10)
+    for payload in ("00010000 ff000000 61620000", "00000000 00000002 61000000"):
+        publisher.publish(bytes.fromhex(payload))
+    publisher.publish(String(data="a"))
+    ros.spin_until(lambda: received)
+    assert received == [String(data="a")]
+    warning = capsys.readouterr().err
+    assert warning.count("\n") == 1
+    assert "WARN" in warning
+    assert "what came on rt/s is dropped: " in warning
+    assert "not a std_msgs/msg/String" in warning
+
+
+def test_a_wait_for_a_message_goes_on_after_what_is_none(ros):
+    node = ros.create(Node, "n")
+    latched = QoSProfile(depth=2, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher = node.create_publisher(String, "s", latched)
+    publisher.publish(bytes.fromhex("00010000 ff000000 61620000"))
+    publisher.publish(String(data="a"))
+    found = wait_for_message(String, node, "/s", qos_profile=latched, time_to_wait=5)
+    assert found == (True, String(data="a"))
+
+
+@pytest.mark.parametrize(
+    ("service", "request_"),
+    [
+        (SetBool, SetBool.Request(data=True)),
+        (GetParameters, GetParameters.Request(names=["use_sim_time", "a" * 40, "b" * 100])),
+    ],
+    ids=["shorter than the header", "longer"],
+)
+def test_a_request_of_fast_dds_is_dropped_and_the_service_goes_on(ros, capsys, service, request_):
+    node = ros.create(Node, "n")
+    node.create_service(service, "s", lambda _request, response: response)
+    client = node.create_client(service, "s")
+    # Fast DDS tells who asks beside the payload, not in its first sixteen bytes.
+    client._ports.writer.write(serialize_message(request_))
+    assert ros.result(client.call_async(request_)) == service.Response()
+    assert "what came on rq/sRequest is dropped: " in capsys.readouterr().err
+
+
+def test_a_reply_that_is_none_is_dropped_and_the_client_goes_on(ros, capsys):
+    node = ros.create(Node, "n")
+    client = node.create_client(GetParameters, "s")
+    server = node.create_service(GetParameters, "s", lambda _request, response: response)
+    header = struct.pack("<Qq", client._ports._identity, 1)
+    server._ports.writer.write(b"\0\1\0\0" + header[:8])
+    server._ports.writer.write(b"\0\1\0\0" + header + b"\xff\0\0\0")
+    assert ros.result(client.call_async(GetParameters.Request())) == GetParameters.Response()
+    assert "what came on rr/sReply is dropped: " in capsys.readouterr().err
+
+
 def test_discovery_stays_on_loopback_unless_told_otherwise():
     local = domain_configuration(None, None)
     assert local == domain_configuration("localhost", "")
     assert 'name="lo" multicast="false"' in local
-    assert '<Peer address="127.0.0.1"/>' in local
+    assert '<Peer address="127.0.0.1" PruneDelay="inf"/>' in local
     assert "<MaxAutoParticipantIndex>119<" in local
     assert "<Peer" not in domain_configuration("OFF", None)
     assert domain_configuration("SUBNET", None) == ""
@@ -169,6 +229,44 @@ def test_discovery_stays_on_loopback_unless_told_otherwise():
     assert domain_configuration("SYSTEM_DEFAULT", "10.0.0.1") == ""
     with pytest.raises(RCLError, match="'EVERYWHERE'"):
         domain_configuration("EVERYWHERE", None)
+
+
+PARTICIPANTS = """
+import sys, time
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsParticipant
+from cyclonedds.domain import Domain, DomainParticipant
+domain = Domain(int(sys.argv[1]), sys.argv[2])
+participant = DomainParticipant(int(sys.argv[1]))
+reader = BuiltinDataReader(participant, BuiltinTopicDcpsParticipant)
+end = time.monotonic() + float(sys.argv[3])
+while len(reader.read(N=10)) < 2 and time.monotonic() < end:
+    time.sleep(0.01)
+print(len(reader.read(N=10)))
+"""
+
+
+def participants_seen(ros, configuration, deadline):
+    """Find how many participants, itself included, a process with a configuration finds."""
+    domain_id = str(ros.context.get_domain_id())
+    command = [sys.executable, "-c", PARTICIPANTS, domain_id, configuration, str(deadline)]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
+    return int(result.stdout)
+
+
+def test_who_only_listens_on_loopback_finds_a_node_that_runs_already(ros):
+    ros.create(Node, "n")
+    ros.spin_for(2.0)  # a new participant announces itself to everybody a few times
+    # rmw_fastrtps in the range SUBNET tells nobody on loopback of itself, either.
+    silent = re.sub(
+        "<Peers>.*</Peers>", '<Peers AddLocalhost="false"/>', domain_configuration("", "")
+    )
+    assert participants_seen(ros, silent, 15) == 2
+
+
+def test_a_process_without_discovery_finds_nobody(ros):
+    ros.create(Node, "n")
+    assert participants_seen(ros, domain_configuration(None, None), 15) == 2
+    assert participants_seen(ros, domain_configuration("OFF", None), 3) == 1
 
 
 def test_no_multicast_group_is_joined(ros):

@@ -271,7 +271,7 @@ class _Reader(_Source):
         if code == "?":
             self.emit(f"{target} = list(map(bool, d[p:{end}]))")
         elif code == "c":
-            self.emit(f"{target} = [d[i:i + 1] for i in range(p, {end})]")
+            self.emit(f"{target} = [d[i:i + 1] for i in range(p, min({end}, len(d)))]")
         elif field.container == "array":
             self.emit(f"{target} = np.frombuffer(d, '{code}', {count}, p).copy()")
         else:

@@ -1,7 +1,8 @@
 """DDS writers and readers that carry CDR payloads of ROS types."""
 
+from collections.abc import Callable
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 import cyclonedds.idl.types as idl_types
 from cyclonedds.core import DDSException, Qos
@@ -12,9 +13,13 @@ from cyclonedds.sub import DataReader, Subscriber
 from cyclonedds.topic import Topic
 
 from embedded_ros import cyclone
+from embedded_ros.cdr import CdrError
 from embedded_ros.errors import RCLError
+from rclpy.impl.rcutils_logger import RcutilsLogger
 
 __all__ = ["Reader", "Writer", "dds_type_name", "ros_type_of"]
+
+_T = TypeVar("_T")
 
 
 def dds_type_name(ros_type: str) -> str:
@@ -122,10 +127,29 @@ class Reader(_Endpoint):
         except DDSException as error:
             raise RCLError(f"no reader of {ros_type} on {topic_name}: {error}") from error
         self.condition = cyclone.read_condition(self.ref)
+        self._topic_name = topic_name
+        self._logger = RcutilsLogger("embedded_ros")
 
     def take(self) -> tuple[bytes, Any] | None:
         """Oldest payload and its DDS sample info; None if there is none."""
         return cyclone.take_one(self.ref)
+
+    def take_decoded(self, decode: Callable[[bytes], _T]) -> tuple[_T, Any] | None:
+        """Oldest sample, its payload decoded, and its DDS sample info; None if there is none.
+
+        Anybody may write to a topic and no node must die of it: what `decode` refuses with
+        :class:`CdrError` is dropped with a warning, at most one a second.
+        """
+        sample = self.take()
+        if sample is None:
+            return None
+        try:
+            return decode(sample[0]), sample[1]
+        except CdrError as error:
+            self._logger.warning(
+                f"what came on {self._topic_name} is dropped: {error}", throttle_duration_sec=1.0
+            )
+            return None
 
     def matched_writers(self) -> list[int]:
         """Instance handles of the matched writers."""

@@ -15,7 +15,7 @@ from cyclonedds._clayer import (
 )
 
 from embedded_ros import cyclone
-from embedded_ros.cdr import ENCAPSULATION, codec
+from embedded_ros.cdr import ENCAPSULATION, CdrError, codec
 from embedded_ros.endpoints import Reader, Writer
 from embedded_ros.session import Session
 from rclpy.qos import QoSProfile
@@ -39,6 +39,14 @@ def _payload(write: Callable[[Any, bytearray], None], header: bytes, message: An
     payload = bytearray(ENCAPSULATION + header)
     write(message, payload)
     return payload
+
+
+def _header(payload: bytes) -> tuple[int, int]:
+    """Client and number at the begin of a payload; Fast DDS sends none."""
+    if len(payload) < _BODY:
+        raise CdrError(f"{len(payload)} bytes do not hold the header of rmw_cyclonedds")
+    client, number = _HEADER.unpack_from(payload, len(ENCAPSULATION))
+    return client, number
 
 
 class _Ports:
@@ -105,13 +113,12 @@ class ClientPorts(_Ports):
 
     def take(self) -> tuple[int, Any] | None:
         """Sequence number and reply; None if there is none or it is for another client."""
-        sample = self.reader.take()
-        if sample is None or len(sample[0]) < _BODY:
-            return None
-        client, number = _HEADER.unpack_from(sample[0], len(ENCAPSULATION))
-        if client != self._identity:
-            return None
-        return number, self._read(sample[0], _BODY)
+        taken = self.reader.take_decoded(self._decode)
+        return None if taken is None else taken[0]
+
+    def _decode(self, payload: bytes) -> tuple[int, Any] | None:
+        client, number = _header(payload)
+        return (number, self._read(payload, _BODY)) if client == self._identity else None
 
     def server_is_matched(self) -> bool:
         """Whether requests reach a server and its replies come back."""
@@ -129,12 +136,14 @@ class ServerPorts(_Ports):
 
     def take(self) -> tuple[RequestHeader, Any] | None:
         """Header and request; None if there is none."""
-        sample = self.reader.take()
-        if sample is None or len(sample[0]) < _BODY:
+        taken = self.reader.take_decoded(self._decode)
+        if taken is None:
             return None
-        client, number = _HEADER.unpack_from(sample[0], len(ENCAPSULATION))
-        header = RequestHeader(client, number, sample[1].publication_handle)
-        return header, self._read(sample[0], _BODY)
+        (client, number, request), info = taken
+        return RequestHeader(client, number, info.publication_handle), request
+
+    def _decode(self, payload: bytes) -> tuple[int, int, Any]:
+        return *_header(payload), self._read(payload, _BODY)
 
     def send(self, header: RequestHeader, response: Any) -> None:
         """Send a reply.

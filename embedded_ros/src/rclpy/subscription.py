@@ -41,7 +41,7 @@ class Subscription:
         self._topic_name = topic_name
         #: Callbacks for events, watched by executors; set by the node.
         self._events: EndpointEvents | None = None
-        self._deserialize = codec(msg_type._ros_type).read
+        self._read = codec(msg_type._ros_type).read
         self.msg_type = msg_type
         self.topic = topic
         self.callback = callback
@@ -56,14 +56,16 @@ class Subscription:
 
     def _take(self) -> tuple[Callable[..., Any], tuple[Any, ...]] | None:
         """Take a message; the callback and what to call it with."""
-        sample = self._reader.take()
+        sample = self._reader.take() if self.raw else self._reader.take_decoded(self._decode)
         if sample is None:
             return None
-        payload, info = sample
-        message = payload if self.raw else self._deserialize(payload, len(ENCAPSULATION))
+        message, info = sample
         if self._callback_type is Subscription.CallbackType.MessageOnly:
             return self._callback, (message,)
         return self._callback, (message, message_info(info))
+
+    def _decode(self, payload: bytes) -> Any:
+        return self._read(payload, len(ENCAPSULATION))
 
     def get_publisher_count(self) -> int:
         """Number of matched publishers."""

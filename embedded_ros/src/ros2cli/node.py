@@ -5,7 +5,13 @@ import sys
 from typing import Any
 
 from ros2cli.errors import CommandError
-from ros2cli.node_session import add_group, add_node_arguments, command_node, is_hidden
+from ros2cli.node_session import (
+    add_group,
+    add_node_arguments,
+    command_node,
+    is_hidden,
+    wait_for_node_names,
+)
 
 __all__ = ["add_commands"]
 
@@ -29,6 +35,7 @@ def add_commands(groups: Any) -> None:
 
 def _list(arguments: argparse.Namespace) -> None:
     with command_node(arguments.spin_time) as node:
+        wait_for_node_names(node)
         own = node.get_fully_qualified_name()
         names = node.get_fully_qualified_node_names()
     names = sorted(name for name in names if name != own and (arguments.all or not is_hidden(name)))
@@ -48,6 +55,7 @@ def _list(arguments: argparse.Namespace) -> None:
 def _info(arguments: argparse.Namespace) -> None:
     wanted = f"/{arguments.node_name.lstrip('/')}"
     with command_node(arguments.spin_time) as node:
+        wait_for_node_names(node)
         count = node.get_fully_qualified_node_names().count(wanted)
         if not count:
             raise CommandError(f"Unable to find node '{arguments.node_name}'")

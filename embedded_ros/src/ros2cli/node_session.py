@@ -25,10 +25,15 @@ __all__ = [
     "is_hidden",
     "spin_for",
     "spin_until",
+    "wait_for_node_names",
 ]
 
 #: How long to listen for the graph; peers on this machine answer in a tenth of it.
 DEFAULT_SPIN_TIME = 0.5
+
+#: How long to wait for names beyond that: rmw_fastrtps tells them with a heartbeat, every 3 s.
+_NODE_NAMES_TIMEOUT_S = 4.0
+_NO_NAMES = ("_CREATED_BY_BARE_DDS_APP_", "_NODE_NAME_UNKNOWN_")
 
 
 def add_group(groups: Any, name: str, description: str) -> Any:
@@ -117,6 +122,18 @@ def spin_until(node: Node, condition: Callable[[], Any], seconds: float) -> bool
         # What changes the graph wakes nobody, so look again soon.
         rclpy.spin_once(node, timeout_sec=min(left, 0.02))
     return True
+
+
+def wait_for_node_names(node: Node) -> None:
+    """Listen on until the names of all nodes have come that are seen by their parameter events."""
+    spin_until(
+        node,
+        lambda: all(
+            info.node_name not in _NO_NAMES
+            for info in node.get_publishers_info_by_topic("/parameter_events")
+        ),
+        _NODE_NAMES_TIMEOUT_S,
+    )
 
 
 def full_topic_name(node: Node, topic: str) -> str:

@@ -24,6 +24,7 @@ from ros2cli.node_session import (
     command_node,
     is_hidden,
     spin_until,
+    wait_for_node_names,
 )
 
 __all__ = ["add_commands"]
@@ -122,6 +123,7 @@ def _list(arguments: argparse.Namespace) -> None:
         if arguments.node_name:
             _print_names(node, _client(node, arguments), arguments, pattern, title=None)
             return
+        wait_for_node_names(node)
         for name in sorted(set(node.get_fully_qualified_node_names())):
             if is_hidden(name):
                 continue

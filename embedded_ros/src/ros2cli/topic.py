@@ -13,6 +13,7 @@ from ros2cli.node_session import (
     command_node,
     full_topic_name,
     is_hidden,
+    wait_for_node_names,
 )
 
 __all__ = ["add_commands"]
@@ -115,6 +116,8 @@ def _info(arguments: argparse.Namespace) -> None:
         types = dict(node.get_topic_names_and_types()).get(name)
         if types is None:
             raise CommandError(f"Unknown topic '{arguments.topic_name}'")
+        if arguments.verbose:
+            wait_for_node_names(node)
         end = "\n\n" if arguments.verbose else "\n"
         print("Type:", types[0] if len(types) == 1 else types, end=end)
         for title, infos in (
