@@ -65,6 +65,12 @@ def test_by_default_the_dead_zone_is_that_of_eq_9_exactly(gap, time):
         assert rule.tolerance(estimate, time + step + 1.0) == PITCH * gap
 
 
+def test_the_dead_zone_has_a_margin_and_holds_until_the_next_one_comes():
+    rule = DeadZoneRule(DeadZoneSettings(margin=0.03, horizon=2.0), PITCH)
+    expected = PITCH * (0.2 + 0.005 * (4.0 + 2.0) + 0.03)
+    assert rule.tolerance(ESTIMATE, 14.0) == pytest.approx(expected)
+
+
 def test_the_dead_zone_stays_within_its_range():
     rule = DeadZoneRule(DeadZoneSettings(minimum=1e-5, maximum=3e-5), PITCH)
     tolerances = [rule.tolerance(Estimate(t, gap), t) for t, gap in enumerate((0.0, 0.1, 1.0))]

@@ -19,6 +19,21 @@ class DeadZoneSettings:
         minimum=0.0,
         maximum=10.0,
     )
+    margin: float = quantity(
+        0.0,
+        "rad",
+        "gap that is added to the estimate for a loop that settles quickly: with a dead zone just "
+        "as wide as the gap it rings for long",
+        minimum=0.0,
+        maximum=1.0,
+    )
+    horizon: float = quantity(
+        0.0,
+        "s",
+        "time for which a dead zone is to hold once it is in force: until the next one comes",
+        minimum=0.0,
+        maximum=1e3,
+    )
     minimum: float = quantity(
         0.0, "m", "smallest tolerance that is commanded", minimum=0.0, maximum=1.0
     )
@@ -98,8 +113,9 @@ class DeadZoneRule:
     def tolerance(self, estimate: Estimate, time: float) -> float:
         """Return the tolerance epsilon_dz [m] that is to take effect at `time` [s]."""
         settings = self._settings
-        bound = gap_bound(estimate, time, settings.coverage_factor)
-        wanted = min(max(tolerance_for_gap(bound, self._pitch), settings.minimum), settings.maximum)
+        bound = gap_bound(estimate, time + settings.horizon, settings.coverage_factor)
+        wanted = tolerance_for_gap(bound + settings.margin, self._pitch)
+        wanted = min(max(wanted, settings.minimum), settings.maximum)
         if self._last is not None:
             before, last = self._last
             change = settings.rate_limit * max(time - before, 0.0)
