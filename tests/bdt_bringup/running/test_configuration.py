@@ -8,6 +8,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bdt_bringup.evaluation.trial import MARGIN
 from bdt_bringup.running.configuration import (
     NODES,
     BadInputError,
@@ -69,6 +70,10 @@ def test_the_laboratory_is_the_paper_s_scenario_with_imperfect_hardware():
         ("plant", "structure.mass"): pytest.approx(1.02 * 5.2),
         ("plant", "structure.stiffness"): pytest.approx(0.98 * 1e4),
         ("controller", "voltage_limit"): 24.0,
+        ("twin", "estimator.kind"): "output_error",
+        ("twin", "dead_zone.coverage_factor"): MARGIN.coverage_factor,
+        ("twin", "dead_zone.margin"): pytest.approx(MARGIN.margin, rel=1e-5),
+        ("twin", "dead_zone.horizon"): MARGIN.horizon,
     }
 
 
