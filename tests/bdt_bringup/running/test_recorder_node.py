@@ -78,6 +78,28 @@ def test_the_recorder_never_acts_on_the_loop_and_acknowledges_telemetry(ros, tmp
     ros.spin_until(lambda: nanoseconds_from_stamp(heard[-1].header.stamp) == 99_800_000)
 
 
+def test_telemetry_counts_as_recorded_once_the_measurements_of_its_time_are(ros, tmp_path):
+    """Every topic has a queue of its own, and telemetry is the shortest."""
+    ros.create(RecorderNode, bag=str(tmp_path / "bag"))
+    talker = ros.create(Node, "talker")
+    publisher = publishers(talker)
+    heard = []
+    talker.create_subscription(TimeReference, PROGRESS.name, heard.append, qos_profile(PROGRESS))
+    ros.spin_until(lambda: heard)
+
+    def acknowledged():
+        return nanoseconds_from_stamp(heard[-1].header.stamp)
+
+    publisher[MEASUREMENT].publish(platform_position(98_000_000, 0.0))
+    rows = np.array([[0.1, 1.0, 2.0], [0.1998, 1.0, 2.0]])
+    publisher[TELEMETRY].publish(sample_message(rows, COLUMNS))
+    count = len(heard)
+    ros.spin_until(lambda: len(heard) > count + 3)
+    assert acknowledged() == 0
+    publisher[MEASUREMENT].publish(platform_position(100_000_000, 0.0))
+    ros.spin_until(lambda: acknowledged() == 199_800_000)
+
+
 def test_a_folder_that_exists_is_never_written_to(ros, tmp_path):
     with pytest.raises(ConfigurationError, match="exists already"):
         ros.create(RecorderNode, bag=str(tmp_path))
