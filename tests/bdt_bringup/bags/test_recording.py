@@ -107,6 +107,13 @@ def test_uncertainties_of_those_estimates_that_state_one(signal, tmp_path):
     assert recording.uncertainties[0, 0] == recording.estimates[1, 0]
 
 
+def test_a_dead_zone_diagnosed_after_the_first_change_is_not_the_initial_one(signal, tmp_path):
+    signal.dead_zone(2.0, 4e-5)
+    signal.diagnosed_dead_zone(3.0, 4e-5)
+    recording = load_recording(signal.write(tmp_path / "bag"))
+    assert recording.dead_zones.tolist() == [[2.0, 4e-5]]
+
+
 def test_first_dead_zone_from_diagnostics(signal, tmp_path):
     """Parameter events are volatile: a late recorder has missed the first value."""
     for time, value in ((1.0, 3e-5), (2.0, 3e-5), (7.0, 4e-5)):

@@ -282,11 +282,11 @@ def _dead_zone_log(bag: RawBag, source: Topic, clock: _Clock) -> tuple[FloatArra
     if raw is not None and (not len(changes) or not log[0].initial):
         # Parameter events are volatile: a recorder that came late has missed the first value.
         seen = diagnosed_dead_zones(decode(bag.path, raw), raw.received, namespace)
+        if len(changes):
+            seen = [row for row in seen if row[0] < log[0].received]
         when = clock.times([0] * len(seen), [received for received, _ in seen])
         rows = np.array([(t, value) for t, (_, value) in zip(when, seen, strict=True)])
         rows = rows.reshape(-1, 2)
-        if len(changes):
-            rows = rows[rows[:, 0] < changes[0, 0]]
         changes = np.concatenate([_value_changes(rows), changes])
     return changes[np.argsort(changes[:, 0], kind="stable")], reconfigurations, pitch
 
