@@ -16,8 +16,10 @@ from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
     CLOCK,
     COMMAND,
+    DEAD_ZONE_JOINT,
     DEAD_ZONE_PARAMETER,
     DIAGNOSTICS,
+    GAP_AGE_JOINT,
     GAP_JOINT,
     GAP_UNCERTAINTY_JOINT,
     MEASUREMENT,
@@ -149,11 +151,25 @@ class Messages:
         message = joint_state(PLATFORM_JOINT, time, position=[position])
         self.add(REFERENCE, time if received is None else received, message)
 
-    def estimate(self, time: float, gap: float, uncertainty: float | None = None) -> None:
-        message = joint_state(GAP_JOINT, time, position=[gap])
-        if uncertainty is not None:
-            message.name.append(GAP_UNCERTAINTY_JOINT)
-            message.position = np.array([gap, uncertainty])
+    def estimate(
+        self,
+        time: float,
+        gap: float,
+        uncertainty: float | None = None,
+        *,
+        age: float | None = None,
+        tolerance: float | None = None,
+    ) -> None:
+        """Add an estimate with the joints that are given: any may be missing but the gap."""
+        joints = {
+            GAP_JOINT: gap,
+            GAP_UNCERTAINTY_JOINT: uncertainty,
+            GAP_AGE_JOINT: age,
+            DEAD_ZONE_JOINT: tolerance,
+        }
+        told = {joint: value for joint, value in joints.items() if value is not None}
+        message = joint_state(GAP_JOINT, time, position=list(told.values()))
+        message.name = list(told)
         self.add(BACKLASH_ESTIMATE, time, message)
 
     def parameter(

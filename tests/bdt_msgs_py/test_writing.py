@@ -15,7 +15,12 @@ from bdt_msgs_py.reading import (
     read_samples,
     read_voltage,
 )
-from bdt_msgs_py.topics import GAP_JOINT, GAP_UNCERTAINTY_JOINT
+from bdt_msgs_py.topics import (
+    DEAD_ZONE_JOINT,
+    GAP_AGE_JOINT,
+    GAP_JOINT,
+    GAP_UNCERTAINTY_JOINT,
+)
 from bdt_msgs_py.writing import (
     gap_estimate,
     motor_voltage,
@@ -50,6 +55,19 @@ def test_an_estimate_reads_back_as_written(stamp, gap, uncertainty, growth):
     assert read_position(message, GAP_UNCERTAINTY_JOINT) == (stamp, uncertainty)
     assert message.velocity[0] == growth
     assert isinstance(message.position, array)
+
+
+@given(stamps, values, values)
+def test_an_estimate_reads_back_with_what_was_asked_for_because_of_it(stamp, age, tolerance):
+    message = gap_estimate(stamp, 0.1, 0.01, 0.0, age, tolerance)
+    assert read_position(message, GAP_JOINT) == (stamp, 0.1)
+    assert read_position(message, GAP_AGE_JOINT) == (stamp, age)
+    assert read_position(message, DEAD_ZONE_JOINT) == (stamp, tolerance)
+    assert len(message.name) == len(message.position) == len(message.velocity)
+
+
+def test_an_estimate_that_asks_for_nothing_has_no_joint_for_it():
+    assert DEAD_ZONE_JOINT not in gap_estimate(0, 0.1, 0.01, 0.0).name
 
 
 @given(stamps, values)

@@ -226,6 +226,8 @@ def test_the_last_estimate_is_kept_with_an_uncertainty_that_grows(closed_loop):
     assert {estimate.time for estimate in kept} == {learned[-1].time}
     assert {estimate.gap for estimate in kept} == {learned[-1].gap}
     assert (np.diff([estimate.uncertainty for estimate in kept]) > 0).all()
+    ends = [estimate.time + estimate.age for estimate in found]
+    assert ends == pytest.approx(np.arange(len(found)))  # the window's newest samples
     # The gap would have gone on growing.
     assert abs(gap_at(PROFILES[1], 30.0) - kept[-2].gap) < 1.96 * kept[-2].uncertainty
 

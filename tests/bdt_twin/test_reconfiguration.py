@@ -20,17 +20,26 @@ def reconfigurator(delay=2.0, **dead_zone):
 
 def test_an_estimate_becomes_the_dead_zone_of_the_time_at_which_it_arrives():
     twin = reconfigurator(coverage_factor=2.0)
-    twin.send(Estimate(4.0, 0.2, uncertainty=0.01, growth=0.001), 5 * SECOND)
+    sent = twin.send(Estimate(4.0, 0.2, uncertainty=0.01, growth=0.001), 5 * SECOND)
     assert twin.next_due() == 7 * SECOND
     assert twin.deliver(7 * SECOND - 1) is None
     tolerance = PITCH * (0.2 + 0.02 + 0.001 * 3.0)
     arrived = twin.deliver(7 * SECOND)
     assert arrived == Reconfiguration(7 * SECOND, 5 * SECOND, pytest.approx(tolerance))
+    assert sent == arrived.tolerance
+
+
+def test_what_was_sent_is_told_even_if_it_gets_lost():
+    rule = DeadZoneRule(DeadZoneSettings(), PITCH)
+    twin = Reconfigurator(rule, DelayedLink(LinkSettings(request_loss=1.0)))
+    assert twin.send(Estimate(4.0, 0.2), 5 * SECOND) == PITCH * 0.2
+    assert twin.next_due() is None
 
 
 def test_nothing_is_sent_while_nothing_is_known():
     twin = reconfigurator()
-    twin.send(Estimate(4.0, math.nan, math.inf, reason="the screw did not turn"), 5 * SECOND)
+    nothing = Estimate(4.0, math.nan, math.inf, reason="the screw did not turn")
+    assert twin.send(nothing, 5 * SECOND) is None
     assert twin.next_due() is None
 
 

@@ -14,6 +14,8 @@ from bdt_msgs_py.reading import nanoseconds_from_stamp, read_position
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
     CLOCK,
+    DEAD_ZONE_JOINT,
+    GAP_AGE_JOINT,
     GAP_JOINT,
     PROGRESS,
     TELEMETRY,
@@ -44,7 +46,7 @@ class Bench:
     def __init__(self, ros, *, accept=True, controller=True, **parameters):
         self.ros = ros
         self.accept = accept
-        self.estimates, self.progress = [], []
+        self.messages, self.progress = [], []
         self.requests, self.time = [], 0.0
         self.node = ros.create(Node, "bench")
         self.clock = self.node.create_publisher(Clock, CLOCK.name, qos_profile(CLOCK))
@@ -54,7 +56,7 @@ class Bench:
         self.node.create_subscription(
             JointState,
             BACKLASH_ESTIMATE.name,
-            lambda message: self.estimates.append(read_position(message, GAP_JOINT)),
+            self.messages.append,
             qos_profile(BACKLASH_ESTIMATE),
         )
         self.node.create_subscription(
@@ -101,6 +103,11 @@ class Bench:
                 and nanoseconds_from_stamp(self.progress[-1].header.stamp) == telemetry_end
             )
         )
+
+    @property
+    def estimates(self):
+        """Stamps [ns] and gaps [rad] of the estimates so far."""
+        return [read_position(message, GAP_JOINT) for message in self.messages]
 
     @property
     def health(self):
@@ -173,6 +180,7 @@ def test_a_twin_that_only_estimates_leaves_the_controller_alone(ros, telemetry):
     ros.spin_until(lambda: bench.estimates)
     ros.spin_for(0.2)
     assert not bench.requests
+    assert not any(DEAD_ZONE_JOINT in message.name for message in bench.messages)
 
 
 def test_a_refusal_is_counted_and_the_twin_goes_on(ros, telemetry):
@@ -209,7 +217,14 @@ class Stubborn:
         pass
 
     def update(self, batch, *, newest_only=False):
-        return Estimate(float(batch[-1, 0]), 0.25, uncertainty=0.01, growth=0.002, reversals=3)
+        return Estimate(
+            float(batch[-1, 0]) - 0.05,
+            0.25,
+            uncertainty=0.01,
+            growth=0.002,
+            reversals=3,
+            age=0.05,
+        )
 """
 
 
@@ -226,8 +241,12 @@ def test_an_estimator_of_somebody_else_sets_a_dead_zone_with_its_margin(
     )
     bench.run(telemetry[:1500])
     ros.spin_until(lambda: bench.requests)
-    expected = 1e-3 / (2 * np.pi) * (0.25 + 2.0 * 0.01 + 0.1 * 0.002)
+    expected = 1e-3 / (2 * np.pi) * (0.25 + 2.0 * 0.01 + (0.05 + 0.1) * 0.002)
     assert bench.requests[0][1] == pytest.approx(expected, rel=1e-9)
+    ros.spin_until(lambda: bench.messages)
+    stamp = round(telemetry[BATCH - 1, 0] * 1e9) - 50_000_000
+    assert read_position(bench.messages[0], GAP_AGE_JOINT) == (stamp, 0.05)
+    assert read_position(bench.messages[0], DEAD_ZONE_JOINT) == (stamp, bench.requests[0][1])
     assert bench.health["gap_uncertainty_rad"] == 0.01
     assert bench.health["reversals"] == 3
     assert bench.health["estimator"] == "stubborn:Stubborn"

@@ -24,7 +24,7 @@ class RunSignals:
     reference : ndarray, shape (k, 2)
         Rows of (time from which it holds [s], r [m]).
     estimates : ndarray, shape (k, 2)
-        Rows of (time of the newest sample used [s], gap [rad]).
+        Rows of (time for which the gap is stated [s], gap [rad]).
     dead_zones : ndarray, shape (k, 2)
         Rows of (time [s], dead-zone tolerance [m] from then on), the initial one included when
         it is known.
@@ -33,6 +33,10 @@ class RunSignals:
     uncertainties : ndarray, shape (k, 2)
         Rows of (time [s], standard uncertainty of the estimate in force [rad]); empty when the
         twin tells none.
+    requests : ndarray, shape (k, 4)
+        Rows of (newest sample behind an estimate [s], dead-zone tolerance that the twin asks for
+        because of it [m], time for which the estimate is stated [s], gap [rad]) in the order of
+        the newest sample; empty when the twin tells none.
     """
 
     time_origin: float = 0.0
@@ -43,6 +47,7 @@ class RunSignals:
     dead_zones: FloatArray
     pitch: float
     uncertainties: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+    requests: FloatArray = field(default_factory=lambda: np.empty((0, 4)))
 
     @property
     def sample_time(self) -> float:

@@ -73,7 +73,10 @@ BACKLASH_ESTIMATE = Topic(
     "backlash_estimate",
     JOINT_STATE,
     "joint backlash_gap: position = estimate [rad], velocity = its growth rate [rad/s]; joint "
-    "backlash_gap_standard_uncertainty: position [rad]; stamp = time for which the gap is stated",
+    "backlash_gap_standard_uncertainty: position [rad]; joint backlash_gap_age: position = time "
+    "from the stamp to the newest sample behind the estimate [s]; joint dead_zone_tolerance: "
+    "position = dead zone that the twin asks for [m], left out when it only estimates; stamp = "
+    "time for which the gap is stated",
     transient_local=True,
     depth=1,
 )
@@ -117,6 +120,8 @@ PLATFORM_JOINT = "platform_3"
 MOTOR_JOINT = "motor"
 GAP_JOINT = "backlash_gap"
 GAP_UNCERTAINTY_JOINT = "backlash_gap_standard_uncertainty"
+GAP_AGE_JOINT = "backlash_gap_age"
+DEAD_ZONE_JOINT = "dead_zone_tolerance"
 
 TELEMETRY_COLUMNS = ("t[s]", "u[V]", "q3[m]")
 TRUTH_COLUMNS = (

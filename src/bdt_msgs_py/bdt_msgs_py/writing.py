@@ -10,7 +10,14 @@ from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout
 
 from bdt_msgs_py.reading import NANOSECONDS_PER_SECOND, NEVER
-from bdt_msgs_py.topics import GAP_JOINT, GAP_UNCERTAINTY_JOINT, MOTOR_JOINT, PLATFORM_JOINT
+from bdt_msgs_py.topics import (
+    DEAD_ZONE_JOINT,
+    GAP_AGE_JOINT,
+    GAP_JOINT,
+    GAP_UNCERTAINTY_JOINT,
+    MOTOR_JOINT,
+    PLATFORM_JOINT,
+)
 
 
 def stamp_from_nanoseconds(nanoseconds: int) -> Time:
@@ -32,8 +39,15 @@ def platform_position(stamp: int, position: float) -> JointState:
     return _joint_position(PLATFORM_JOINT, stamp, position)
 
 
-def gap_estimate(stamp: int, gap: float, uncertainty: float, growth: float) -> JointState:
-    """Return an estimate of the backlash gap, with its standard uncertainty as a second joint.
+def gap_estimate(
+    stamp: int,
+    gap: float,
+    uncertainty: float,
+    growth: float,
+    age: float = 0.0,
+    tolerance: float | None = None,
+) -> JointState:
+    """Return an estimate of the backlash gap; what belongs to it stands in joints of its own.
 
     Parameters
     ----------
@@ -43,12 +57,19 @@ def gap_estimate(stamp: int, gap: float, uncertainty: float, growth: float) -> J
         Gap theta_b and its standard uncertainty [rad]; NaN if nobody knows how sure it is.
     growth : float
         Growth rate of the gap [rad/s].
+    age : float
+        Time from the stamp to the newest sample behind the estimate [s].
+    tolerance : float or None
+        Dead-zone tolerance that is asked for because of the estimate [m]; None for none.
     """
+    joints = {GAP_JOINT: gap, GAP_UNCERTAINTY_JOINT: uncertainty, GAP_AGE_JOINT: age}
+    if tolerance is not None:
+        joints[DEAD_ZONE_JOINT] = tolerance
     return JointState(
         header=Header(stamp=stamp_from_nanoseconds(stamp)),
-        name=[GAP_JOINT, GAP_UNCERTAINTY_JOINT],
-        position=array("d", (gap, uncertainty)),
-        velocity=array("d", (growth, 0.0)),
+        name=list(joints),
+        position=array("d", joints.values()),
+        velocity=array("d", (growth, *[0.0] * (len(joints) - 1))),
     )
 
 

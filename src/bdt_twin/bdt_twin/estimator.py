@@ -30,6 +30,9 @@ class Estimate(NamedTuple):
     reason : str
         Why these samples taught nothing, so that the last estimate is kept with an uncertainty
         that grows; empty when they did.
+    age : float
+        Time from `time` to the newest sample that was looked at [s]; 0 from an estimator that
+        states the gap for its newest sample.
     """
 
     time: float
@@ -40,6 +43,7 @@ class Estimate(NamedTuple):
     gain_correction: float = 1.0
     reversals: int = 0
     reason: str = ""
+    age: float = 0.0
 
     @property
     def is_known(self) -> bool:

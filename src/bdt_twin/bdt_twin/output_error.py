@@ -241,6 +241,7 @@ class OutputErrorEstimator:
             growth_uncertainty=growth_uncertainty,
             gain_correction=gain,
             reversals=len(reversals),
+            age=time - stamp,
         )
         self.lesson = Lesson(window, fit, estimate)
         return estimate
@@ -257,7 +258,7 @@ class OutputErrorEstimator:
             age * last.growth_uncertainty,
             self._settings.growth_change * math.sqrt(age**3 / 3),
         )
-        return last._replace(uncertainty=uncertainty, reason=reason)
+        return last._replace(uncertainty=uncertainty, reason=reason, age=age)
 
 
 def _gap_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:

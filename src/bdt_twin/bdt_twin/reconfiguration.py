@@ -20,12 +20,20 @@ class Reconfigurator:
         self._rule = rule
         self._link = link
 
-    def send(self, estimate: Estimate, now: int) -> None:
-        """Send a dead zone at the time `now` [ns], unless nothing is known of the gap."""
-        if estimate.is_known:
-            effective = now * 1e-9 + self._link.expected_delay
-            tolerance = self._rule.tolerance(estimate, effective)
-            self._link.send(now, now, tolerance)
+    def send(self, estimate: Estimate, now: int) -> float | None:
+        """Send a dead zone at the time `now` [ns], unless nothing is known of the gap.
+
+        Returns
+        -------
+        float or None
+            The tolerance that was sent [m], whether it arrives or gets lost; None if none was.
+        """
+        if not estimate.is_known:
+            return None
+        effective = now * 1e-9 + self._link.expected_delay
+        tolerance = self._rule.tolerance(estimate, effective)
+        self._link.send(now, now, tolerance)
+        return tolerance
 
     def deliver(self, now: int) -> Reconfiguration | None:
         """Return the newest of what has arrived at `now` [ns]."""

@@ -148,13 +148,21 @@ class TwinNode(Node):
     def _use(self, estimate: Estimate) -> None:
         self._estimates += 1
         self._estimate = estimate
+        tolerance = None
+        if self._settings.reconfigure:
+            tolerance = self._reconfigurator.send(estimate, self._telemetry_end)
         if estimate.is_known:
-            stamp = nanoseconds_from_seconds(estimate.time)
             self._estimate_publisher.publish(
-                gap_estimate(stamp, estimate.gap, estimate.uncertainty, estimate.growth)
+                gap_estimate(
+                    nanoseconds_from_seconds(estimate.time),
+                    estimate.gap,
+                    estimate.uncertainty,
+                    estimate.growth,
+                    estimate.age,
+                    tolerance,
+                )
             )
         if self._settings.reconfigure:
-            self._reconfigurator.send(estimate, self._telemetry_end)
             self._deliver()
 
     # Reconfiguration -----------------------------------------------------------------------

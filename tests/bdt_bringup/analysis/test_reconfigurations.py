@@ -13,7 +13,7 @@ from bdt_bringup.run_signals import RunSignals
 PITCH = 2e-4
 
 
-def run(estimates, dead_zones) -> RunSignals:
+def run(estimates, dead_zones, requests=()) -> RunSignals:
     return RunSignals(
         telemetry=np.zeros((2, 3)),
         truth=None,
@@ -21,6 +21,7 @@ def run(estimates, dead_zones) -> RunSignals:
         estimates=np.array(estimates).reshape(-1, 2),
         dead_zones=np.array(dead_zones).reshape(-1, 2),
         pitch=PITCH,
+        requests=np.array(requests).reshape(-1, 4),
     )
 
 
@@ -33,8 +34,20 @@ def test_log():
     assert by_hand.estimate_rad is None
     assert second.estimate_time_s == 2.0
     assert second.estimate_rad == 0.4
-    assert second.delay_s == pytest.approx(0.9)
+    assert second.delay_s == second.gap_age_s == pytest.approx(0.9)
     assert second.change_m == pytest.approx(PITCH * 0.4 - 5e-5)
+
+
+def test_age_of_the_gap_and_delay_differ_when_the_gap_is_stated_for_an_earlier_time():
+    """Three windows that end with the same reversal: one stamp, three dead zones."""
+    estimates = [[1.5, 0.3]] * 3
+    requests = [[2.0, 7e-5, 1.5, 0.3], [3.0, 8e-5, 1.5, 0.3], [4.0, 9e-5, 1.5, 0.3]]
+    dead_zones = [[0.0, 0.0], [3.1, 7e-5], [4.1, 8e-5], [5.1, 9e-5]]
+    log = reconfiguration_log(run(estimates, dead_zones, requests))[1:]
+    assert [entry.delay_s for entry in log] == pytest.approx([1.1] * 3)
+    assert [entry.gap_age_s for entry in log] == pytest.approx([1.6, 2.6, 3.6])
+    assert [entry.estimate_time_s for entry in log] == [1.5] * 3
+    assert [entry.estimate_rad for entry in log] == [0.3] * 3
 
 
 def test_no_dead_zone():
@@ -50,6 +63,22 @@ def test_summary_of_a_loop(following_bag):
     assert found.estimates_not_applied == len(recording.estimates) - recording.reconfigurations
     assert found.min_s == pytest.approx(0.52, abs=3e-3)
     assert found.median_s == pytest.approx(found.max_s, abs=3e-3)
+
+
+def test_summary_of_a_twin_that_asks_for_more_than_the_gap(signal_messages, tmp_path):
+    time = 0.01 * np.arange(1000)
+    messages = signal_messages(time, np.zeros_like(time), [(0.0, 0.005)])
+    messages.dead_zone(0.0, 0.0, initial=True)
+    for newest, tolerance in ((2.0, 7e-5), (3.0, 8e-5), (4.0, 9e-5)):
+        messages.estimate(1.5, 0.3, 0.01, age=newest - 1.5, tolerance=tolerance)
+        if newest < 4.0:
+            messages.dead_zone(newest + 1.1, tolerance)
+    messages.dead_zone(7.0, 1e-5)
+    found = summarize_reconfigurations(load_recording(messages.write(tmp_path / "bag")))
+    counts = (found.from_estimates, found.from_elsewhere, found.estimates_not_applied)
+    assert counts == (2, 1, 1)
+    assert (found.min_s, found.max_s) == pytest.approx((1.1, 1.1))
+    assert found.max_gap_age_s == pytest.approx(2.6)
 
 
 def test_dead_zone_set_by_hand(small_loop, tmp_path):

@@ -25,6 +25,7 @@ def test_topics_latency_and_delays(summary):
     assert not any(row.alarm for row in timing.rows)
     assert columns(latency)["not answered"] == "0"
     assert float(columns(delays)["largest"]) == pytest.approx(0.52, abs=3e-3)
+    assert float(columns(delays)["oldest gap"]) == pytest.approx(0.52, abs=3e-3)
 
 
 def test_a_gap_stands_out(following_loop, tmp_path):
@@ -64,7 +65,8 @@ def test_the_log_has_a_row_for_each_dead_zone(following_bag, summary):
     assert len(table.rows) == len(recording.dead_zones)
     last = columns(table, -1)
     assert float(last["dead zone ε"]) == pytest.approx(1e6 * summary.dead_zone_final_m, abs=1e-4)
-    assert float(last["time"]) - float(last["its newest sample"]) == pytest.approx(
-        float(last["delay"]), abs=2e-4
+    assert float(last["time"]) - float(last["stated for"]) == pytest.approx(
+        float(last["age of the gap"]), abs=2e-4
     )
+    assert last["delay"] == last["age of the gap"]
     assert columns(table, 0)["change"] == ""

@@ -11,6 +11,7 @@ from bdt_bringup.bags.recording import load_recording
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
     COMMAND,
+    DEAD_ZONE_JOINT,
     MEASUREMENT,
     REFERENCE,
     TELEMETRY,
@@ -105,6 +106,43 @@ def test_uncertainties_of_those_estimates_that_state_one(signal, tmp_path):
     assert recording.estimates[:, 1].tolist() == [0.1, 0.2, 0.3]
     assert recording.uncertainties[:, 1].tolist() == [0.01]
     assert recording.uncertainties[0, 0] == recording.estimates[1, 0]
+
+
+def test_requests_of_those_estimates_that_tell_one_in_the_order_of_their_data(signal, tmp_path):
+    """An estimator may find the last reversal a little earlier when it knows more."""
+    signal.estimate(1.0, 0.1)
+    signal.estimate(2.0, 0.2, 0.01, age=0.5, tolerance=4e-5)
+    signal.estimate(1.9, 0.3, 0.01, age=1.6, tolerance=5e-5)
+    signal.estimate(4.0, 0.4, tolerance=6e-5)
+    recording = load_recording(signal.write(tmp_path / "bag"))
+    assert recording.estimates[:, 1].tolist() == [0.1, 0.3, 0.2, 0.4]
+    assert recording.requests == pytest.approx(
+        np.array([[2.5, 4e-5, 2.0, 0.2], [3.5, 5e-5, 1.9, 0.3], [4.0, 6e-5, 4.0, 0.4]])
+    )
+
+
+def test_requests_that_are_not_finite_are_left_out(signal, tmp_path):
+    signal.estimate(1.0, 0.1, age=0.0, tolerance=np.nan)
+    signal.estimate(2.0, 0.2, age=np.inf, tolerance=4e-5)
+    signal.estimate(3.0, 0.2, age=0.0, tolerance=4e-5)
+    requests = load_recording(signal.write(tmp_path / "bag")).requests
+    assert requests.tolist() == [[3.0, 4e-5, 3.0, 0.2]]
+
+
+def test_an_estimate_that_tells_a_dead_zone_twice_is_an_error(signal, tmp_path):
+    signal.estimate(1.0, 0.1, tolerance=4e-5)
+    _, _, _, message = signal.items[-1]
+    message.name.append(DEAD_ZONE_JOINT)
+    message.position = np.append(message.position, 5e-5)
+    with pytest.raises(BagError, match=r"message 0 of /backlash_estimate: .* once"):
+        load_recording(signal.write(tmp_path / "bag"))
+
+
+def test_a_dead_zone_diagnosed_after_the_first_change_is_not_the_initial_one(signal, tmp_path):
+    signal.dead_zone(2.0, 4e-5)
+    signal.diagnosed_dead_zone(3.0, 4e-5)
+    recording = load_recording(signal.write(tmp_path / "bag"))
+    assert recording.dead_zones.tolist() == [[2.0, 4e-5]]
 
 
 def test_first_dead_zone_from_diagnostics(signal, tmp_path):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bdt_bringup.analysis.estimate_analysis import reconfiguration_lags
+from bdt_bringup.analysis.dead_zone_requests import reconfiguration_lags
 from bdt_bringup.reproduction.experiments import (
     Choices,
     constant_experiment,
@@ -51,7 +51,7 @@ def test_the_dead_zone_of_the_twin_follows_eq_9_and_the_delay():
     estimates, dead_zones = run.signals.estimates, run.signals.dead_zones
     assert dead_zones[0].tolist() == [0.0, 0.0]
     assert np.isin(dead_zones[1:, 1], PITCH * estimates[:, 1]).all()
-    lags = reconfiguration_lags(estimates, dead_zones[1:], PITCH)[:, 1]
+    lags = reconfiguration_lags(run.signals)[:, 1]
     assert lags.size == len(dead_zones) - 1
     assert lags.min() >= 1.0
     assert lags.max() <= 1.1 + 2e-3

@@ -1,14 +1,14 @@
-"""The estimate of the gap against the true gap, and how late the dead zone follows it."""
+"""The estimate in numbers: its error, and how late the dead zone follows it."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from bdt_bringup.analysis.dead_zone_requests import reconfiguration_lags
+from bdt_bringup.run_signals import RunSignals
 
-SAME_VALUE = 1e-9
-"""Relative difference below which a dead zone is the one of an estimate."""
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,9 @@ class EstimateSummary:
 def estimate_errors(truth: FloatArray, estimates: FloatArray) -> FloatArray:
     """Return rows of (time [s], error of the estimate in force [rad]) at the times of the truth.
 
-    An estimate is in force from the newest sample that it used until the next one: that is what
-    an estimator without communication delay would have known. Before the first there is no error.
+    An estimate is in force from the time for which it is stated until that of the next one: that
+    is what an estimator without communication delay would have known. Before the first there is
+    no error.
 
     Parameters
     ----------
@@ -54,81 +55,16 @@ def estimate_errors(truth: FloatArray, estimates: FloatArray) -> FloatArray:
     return np.stack([truth[known, 0], error], axis=1)
 
 
-def reconfiguration_lags(estimates: FloatArray, dead_zones: FloatArray, pitch: float) -> FloatArray:
-    """Return how long after its data each estimate reached the controller.
-
-    The lag of a reconfiguration runs from the stamp of the estimate (its newest sample) to the
-    time at which the dead zone took the value p times that estimate (eq. 9). It holds the batch,
-    the communication delay and the service call, but not the window over which the estimator
-    averages.
+def summarize_estimate(run: RunSignals) -> EstimateSummary:
+    """Return the numbers of the estimate, as :class:`EstimateSummary` defines them.
 
     Parameters
     ----------
-    estimates : ndarray, shape (k, 2)
-        Rows of (time of the newest sample [s], gap [rad]) in the order of time.
-    dead_zones : ndarray, shape (j, 2)
-        Rows of (time [s], dead-zone tolerance [m]) in the order of time.
-    pitch : float
-        Pitch p of the lead screw [m/rad].
-
-    Returns
-    -------
-    ndarray, shape (i, 2)
-        Rows of (time of the reconfiguration [s], lag [s]).
+    run : RunSignals
+        A run, with or without truth.
     """
-    matches = matching_estimates(estimates, dead_zones, pitch)
-    known = matches >= 0
-    times = dead_zones[known, 0]
-    return np.stack([times, times - estimates[matches[known], 0]], axis=1)
-
-
-def matching_estimates(
-    estimates: FloatArray, dead_zones: FloatArray, pitch: float
-) -> NDArray[np.intp]:
-    """Return which estimate is behind each dead zone.
-
-    The values themselves tell which estimate it was; a dead zone that somebody else set belongs
-    to none.
-
-    Parameters
-    ----------
-    estimates, dead_zones, pitch
-        See :func:`reconfiguration_lags`.
-
-    Returns
-    -------
-    ndarray of int, shape (j,)
-        Rows of `estimates`, increasing; -1 for none.
-    """
-    stamps, tolerances = estimates[:, 0], pitch * np.maximum(estimates[:, 1], 0.0)
-    following = 0
-    matches = np.full(len(dead_zones), -1, np.intp)
-    for number, (time, value) in enumerate(dead_zones.tolist()):
-        newest = int(np.searchsorted(stamps, time, side="right"))
-        same = np.isclose(tolerances[following:newest], value, rtol=SAME_VALUE, atol=0.0)
-        if same.any():
-            # Estimates are delivered in order: the first one not yet delivered is meant.
-            matches[number] = following + int(np.argmax(same))
-            following = int(matches[number]) + 1
-    return matches
-
-
-def summarize_estimate(
-    truth: FloatArray | None, estimates: FloatArray, dead_zones: FloatArray, pitch: float
-) -> EstimateSummary:
-    """Return the numbers of the estimate; see the functions above for the definitions.
-
-    Parameters
-    ----------
-    truth : ndarray, shape (m, 7), or None
-        Truth, if the bag has it.
-    estimates, dead_zones : ndarray, shape (k, 2)
-        See :func:`reconfiguration_lags`.
-    pitch : float
-        Pitch p of the lead screw [m/rad].
-    """
-    errors = np.empty((0, 2)) if truth is None else estimate_errors(truth, estimates)
-    lags = reconfiguration_lags(estimates, dead_zones, pitch)
+    errors = np.empty((0, 2)) if run.truth is None else estimate_errors(run.truth, run.estimates)
+    lags = reconfiguration_lags(run)
     return EstimateSummary(
         rms_error_rad=float(np.sqrt(np.mean(errors[:, 1] ** 2))) if len(errors) else None,
         max_error_rad=float(np.max(np.abs(errors[:, 1]))) if len(errors) else None,

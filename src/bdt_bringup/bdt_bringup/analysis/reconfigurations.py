@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_bringup.analysis.estimate_analysis import matching_estimates
+from bdt_bringup.analysis.dead_zone_requests import dead_zone_requests, matching_requests
 from bdt_bringup.bags.recording import Recording
 from bdt_bringup.run_signals import RunSignals
 
@@ -25,10 +25,13 @@ class Reconfiguration(NamedTuple):
     change_m : float or None
         Difference to the tolerance before [m]; None for the first one known.
     estimate_time_s, estimate_rad : float or None
-        Newest sample behind the estimate whose dead zone this is [s], and the estimate [rad];
+        Time for which the estimate behind this dead zone is stated [s], and the estimate [rad];
         None when the value belongs to no estimate: somebody else set it.
     delay_s : float or None
-        Time from that sample to the reconfiguration [s].
+        Time from the newest sample behind the estimate to the reconfiguration [s].
+    gap_age_s : float or None
+        Time from `estimate_time_s` to the reconfiguration [s]; longer than the delay when the
+        estimator states the gap for a time before its newest sample.
     """
 
     time_s: float
@@ -37,6 +40,7 @@ class Reconfiguration(NamedTuple):
     estimate_time_s: float | None
     estimate_rad: float | None
     delay_s: float | None
+    gap_age_s: float | None
 
 
 @dataclass(frozen=True)
@@ -53,6 +57,8 @@ class ReconfigurationSummary:
         Number of estimates that no dead zone followed.
     min_s, median_s, max_s : float or None
         Delay from the newest sample behind an estimate to its dead zone [s].
+    max_gap_age_s : float or None
+        Longest time from that for which an estimate is stated to its dead zone [s].
     longest_pause_s : float or None
         Longest time between two reconfigurations [s].
     """
@@ -63,6 +69,7 @@ class ReconfigurationSummary:
     min_s: float | None
     median_s: float | None
     max_s: float | None
+    max_gap_age_s: float | None
     longest_pause_s: float | None
 
 
@@ -74,18 +81,20 @@ def reconfiguration_log(run: RunSignals) -> list[Reconfiguration]:
     run : RunSignals
         A run.
     """
-    matches = matching_estimates(run.estimates, run.dead_zones, run.pitch).tolist()
+    requests = dead_zone_requests(run)
+    matches = matching_requests(requests, run.dead_zones).tolist()
     log: list[Reconfiguration] = []
     for (time, value), match in zip(run.dead_zones.tolist(), matches, strict=True):
-        stamp, gap = run.estimates[match].tolist() if match >= 0 else (None, None)
+        newest, _, stated, gap = requests[match].tolist() if match >= 0 else (None,) * 4
         log.append(
             Reconfiguration(
                 time_s=time,
                 dead_zone_m=value,
                 change_m=value - log[-1].dead_zone_m if log else None,
-                estimate_time_s=stamp,
+                estimate_time_s=stated,
                 estimate_rad=gap,
-                delay_s=None if stamp is None else time - stamp,
+                delay_s=None if newest is None else time - newest,
+                gap_age_s=None if stated is None else time - stated,
             )
         )
     return log
@@ -101,6 +110,7 @@ def summarize_reconfigurations(recording: Recording) -> ReconfigurationSummary:
     """
     log = reconfiguration_log(recording)
     delays = np.array([entry.delay_s for entry in log if entry.delay_s is not None])
+    ages = [entry.gap_age_s for entry in log if entry.gap_age_s is not None]
     initial = len(log) - recording.reconfigurations
     others = len(log) - delays.size - initial
     pauses = np.diff([entry.time_s for entry in log[max(initial, 0) :]])
@@ -111,5 +121,6 @@ def summarize_reconfigurations(recording: Recording) -> ReconfigurationSummary:
         min_s=float(delays.min()) if delays.size else None,
         median_s=float(np.median(delays)) if delays.size else None,
         max_s=float(delays.max()) if delays.size else None,
+        max_gap_age_s=max(ages, default=None),
         longest_pause_s=float(pauses.max()) if pauses.size else None,
     )

@@ -109,9 +109,7 @@ def summarize(recording: Recording, steps: list[ReferenceStep]) -> Summary:
         duration_s=recording.duration,
         real_time_factor=recording.real_time_factor,
         steps=tuple(summarize_step(step, rows, sample_time) for step in steps),
-        estimate=summarize_estimate(
-            recording.truth, recording.estimates, dead_zones, recording.pitch
-        ),
+        estimate=summarize_estimate(recording),
         reconfigurations=recording.reconfigurations,
         dead_zone_final_m=float(dead_zones[-1, 1]) if len(dead_zones) else None,
         messages=recording.message_counts,

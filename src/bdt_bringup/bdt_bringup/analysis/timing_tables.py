@@ -41,6 +41,7 @@ DELAY_COLUMNS = (
     Column("delay, smallest", "s"),
     Column("median", "s"),
     Column("largest", "s"),
+    Column("oldest gap", "s"),
     Column("longest pause", "s"),
 )
 RUN_COLUMN = Column("run", text=True)
@@ -74,8 +75,9 @@ def timing_tables(runs: Sequence[tuple[str, Summary]]) -> list[Table]:
             latencies.append(Row((*own, *cells, *(number(x, ".3f", 1e3) for x in waits))))
         if delay.from_estimates or delay.from_elsewhere:
             counts = (delay.from_estimates, delay.from_elsewhere, delay.estimates_not_applied)
-            times = (delay.min_s, delay.median_s, delay.max_s, delay.longest_pause_s)
-            numbers = (*map(str, counts), *(number(x, ".4f") for x in times))
+            times = (delay.min_s, delay.median_s, delay.max_s, delay.max_gap_age_s)
+            pause = delay.longest_pause_s
+            numbers = (*map(str, counts), *(number(x, ".4f") for x in (*times, pause)))
             delays.append(Row((*own, *numbers)))
     first = (RUN_COLUMN,) if several else ()
     tables = (
@@ -107,6 +109,7 @@ def reconfiguration_table(run: RunSignals) -> Table | None:
                 number(entry.estimate_rad, ".4f", degrees),
                 number(entry.estimate_time_s, ".4f"),
                 number(entry.delay_s, ".4f"),
+                number(entry.gap_age_s, ".4f"),
             )
         )
         for entry in log[:MOST_LOGGED]
@@ -120,8 +123,9 @@ def reconfiguration_table(run: RunSignals) -> Table | None:
             Column("dead zone ε", "µm"),
             Column("change", "µm"),
             Column("estimate behind it", "deg"),
-            Column("its newest sample", "s"),
+            Column("stated for", "s"),
             Column("delay", "s"),
+            Column("age of the gap", "s"),
         ),
         rows=rows,
         note=f"{hidden} more are in the bag." if hidden else "",

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.bag_reader import RawBag, decode, read_bag
+from bdt_bringup.bags.joint_positions import dead_zone_requests, joint_positions
 from bdt_bringup.bags.parameter_log import (
     diagnosed_dead_zones,
     parameter_changes,
@@ -24,7 +25,6 @@ from bdt_bringup.bags.recording_clock import (
     on_telemetry_clock,
 )
 from bdt_bringup.bags.sample_rows import (
-    LARGEST_VALUE,
     SampleRows,
     ordered_rows,
     rows_of_messages,
@@ -32,7 +32,6 @@ from bdt_bringup.bags.sample_rows import (
 )
 from bdt_bringup.bags.topic_selection import TopicSelection
 from bdt_bringup.run_signals import RunSignals
-from bdt_msgs_py.reading import read_position
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
     COMMAND,
@@ -170,11 +169,12 @@ def load_recording(path: Path, selection: TopicSelection | None = None) -> Recor
         sample_times=samples.times - origin,
         batch_rows=int(np.median([len(x) for x in batches if len(x)])) if batches else 0,
         truth=_truth(bag, origin),
-        reference=_positions(bag, REFERENCE, PLATFORM_JOINT, clock),
-        estimates=_positions(bag, BACKLASH_ESTIMATE, GAP_JOINT, clock),
-        uncertainties=_positions(
-            bag, BACKLASH_ESTIMATE, GAP_UNCERTAINTY_JOINT, clock, optional=True
+        reference=joint_positions(bag, REFERENCE, PLATFORM_JOINT, clock.times),
+        estimates=joint_positions(bag, BACKLASH_ESTIMATE, GAP_JOINT, clock.times),
+        uncertainties=joint_positions(
+            bag, BACKLASH_ESTIMATE, GAP_UNCERTAINTY_JOINT, clock.times, optional=True
         ),
+        requests=dead_zone_requests(bag, clock.times),
         dead_zones=dead_zones,
         reconfigurations=reconfigurations,
         pitch=pitch,
@@ -234,34 +234,6 @@ def _truth(bag: RawBag, origin: float) -> FloatArray | None:
     return rows if len(rows) else None
 
 
-def _positions(
-    bag: RawBag, topic: Topic, joint: str, clock: _Clock, *, optional: bool = False
-) -> FloatArray:
-    """Return rows of (time [s], position) of a topic, in the order of time.
-
-    Messages without an optional joint are left out.
-    """
-    raw = bag.topics.get(topic)
-    if raw is None:
-        return np.empty((0, 2))
-    rows, received = [], []
-    for number, message in enumerate(decode(bag.path, raw)):
-        if optional and joint not in message.name:
-            continue
-        received.append(raw.received[number])
-        try:
-            rows.append(read_position(message, joint))
-        except ValueError as error:
-            raise BagError(f"bag {bag.path}: message {number} of {raw.name}: {error}") from None
-    if not rows:
-        return np.empty((0, 2))
-    times = clock.times([stamp for stamp, _ in rows], received)
-    values = np.array([position for _, position in rows])
-    kept = np.abs(values) < LARGEST_VALUE  # the nodes ignore what is not finite
-    order = np.argsort(times[kept], kind="stable")
-    return np.stack([times[kept], values[kept]], axis=1)[order]
-
-
 def _dead_zone_log(bag: RawBag, source: Topic, clock: _Clock) -> tuple[FloatArray, int, float]:
     """Return dead zones over time, number of reconfigurations and pitch."""
     changes, reconfigurations = np.empty((0, 2)), 0
@@ -282,11 +254,11 @@ def _dead_zone_log(bag: RawBag, source: Topic, clock: _Clock) -> tuple[FloatArra
     if raw is not None and (not len(changes) or not log[0].initial):
         # Parameter events are volatile: a recorder that came late has missed the first value.
         seen = diagnosed_dead_zones(decode(bag.path, raw), raw.received, namespace)
+        if len(changes):
+            seen = [row for row in seen if row[0] < log[0].received]
         when = clock.times([0] * len(seen), [received for received, _ in seen])
         rows = np.array([(t, value) for t, (_, value) in zip(when, seen, strict=True)])
         rows = rows.reshape(-1, 2)
-        if len(changes):
-            rows = rows[rows[:, 0] < changes[0, 0]]
         changes = np.concatenate([_value_changes(rows), changes])
     return changes[np.argsort(changes[:, 0], kind="stable")], reconfigurations, pitch
 
