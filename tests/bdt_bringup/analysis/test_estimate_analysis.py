@@ -5,6 +5,7 @@ import pytest
 
 from bdt_bringup.analysis.estimate_analysis import (
     estimate_errors,
+    interval_coverage,
     reconfiguration_lags,
     summarize_estimate,
 )
@@ -73,3 +74,15 @@ def test_dead_zone_of_an_operator_has_no_lag():
 def test_negative_estimate_gives_a_dead_zone_of_zero():
     lags = reconfiguration_lags(np.array([[1.0, -0.01]]), np.array([[2.0, 0.0]]), PITCH)
     assert lags.tolist() == [[2.0, 1.0]]
+
+
+def test_a_normal_error_is_covered_in_95_of_100_cases():
+    errors = 0.3 * np.random.default_rng(1).standard_normal(100_000)
+    assert interval_coverage(errors, np.full(errors.shape, 0.3)) == pytest.approx(95.0, abs=0.3)
+
+
+def test_what_is_not_stated_or_not_known_is_not_counted():
+    nan, inf = np.nan, np.inf
+    errors = np.array([0.0, 1.0, nan, 1.0, 1.0])
+    assert interval_coverage(errors, np.array([1.0, 0.1, 1.0, nan, inf])) == 50.0
+    assert interval_coverage(errors[2:], np.array([1.0, nan, nan])) is None

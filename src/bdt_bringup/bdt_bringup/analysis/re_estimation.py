@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_bringup.analysis.estimate_analysis import interval_coverage
-from bdt_bringup.analysis.estimator_setup import EstimatorSetup
+from bdt_bringup.analysis.estimator_setup import KIND, EstimatorSetup
 from bdt_bringup.bags.recording import Recording
 from bdt_twin.estimator import Estimate, TelemetryRejectedError
 
@@ -72,7 +72,7 @@ class ReEstimationSummary(StatedGapsSummary):
     estimator : str
         Kind of the estimator.
     settings : mapping of str
-        What the command line set.
+        What the command line set beside the kind.
     recorded_settings : mapping of str
         What the twin's parameters in the bag set other than by default.
     without_effect : tuple of str
@@ -159,7 +159,7 @@ def re_estimate(recording: Recording, setup: EstimatorSetup) -> ReEstimation:
     summary = ReEstimationSummary(
         **vars(summarize_stated_gaps(again)),
         estimator=setup.kind,
-        settings=setup.given,
+        settings={name: value for name, value in setup.given.items() if name != KIND},
         recorded_settings=setup.recorded,
         without_effect=setup.without_effect,
         sampling_rate_hz=setup.sampling_rate,

@@ -73,8 +73,8 @@ def _numbers(summary: StatedGapsSummary) -> str:
     parts = [f"{summary.estimates} estimates"]
     if summary.rms_error_deg is not None and summary.worst_error_deg is not None:
         parts += [
-            f"error {summary.rms_error_deg:.2f} deg rms",
-            f"{summary.worst_error_deg:.2f} deg at worst",
+            f"error {summary.rms_error_deg:.3g} deg rms",
+            f"{summary.worst_error_deg:.3g} deg at worst",
         ]
     if summary.coverage_95_percent is not None:
         parts.append(f"95 % intervals hold {summary.coverage_95_percent:.0f} %")
