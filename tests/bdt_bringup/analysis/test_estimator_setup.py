@@ -49,7 +49,7 @@ def test_values_have_the_types_of_the_parameters():
         (None, "estimator.kind=kalman", "--set estimator.kind = 'kalman': must be one of inverse"),
         ("output_error", "estimator.kind=inverse_filter", "must not stand beside --estimator"),
         (None, "estimator.window", "--set 'estimator.window': must be KEY=VALUE"),
-        (None, "estimator.windw=1.0", "is not a parameter of the twin; did you mean estimator.window?"),
+        (None, "estimator.windw=1.0", "of the twin; did you mean estimator.window?"),
         (None, "gap.final=1.0", "--set gap.final = '1.0': is not a parameter of the twin"),
         (None, "estimator.window=4", "--set estimator.window = 4: must be written with a decimal"),
         (None, "estimator.window=long", "--set estimator.window = 'long': must be a number, 0.001"),
