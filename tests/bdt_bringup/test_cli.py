@@ -42,6 +42,15 @@ def test_a_bag_is_analyzed(tmp_path, following_bag):
     assert (tmp_path / "report.html").exists()
 
 
+def test_the_gap_of_a_bag_is_estimated_again(tmp_path, following_bag):
+    options = ["--estimator", "inverse_filter", "--set", "estimator.window=1.0"]
+    done = run_without_ros("analyze", following_bag, "--output", tmp_path, *options)
+    assert done.returncode == 0, done.stderr
+    (line,) = [x for x in done.stdout.splitlines() if x.startswith("re-estimated (inverse_filter)")]
+    assert "; live: " in line
+    assert "  set estimator.window = 1.0" in done.stdout
+
+
 def test_loop_and_topics_of_a_bag_can_be_chosen(small_loop, tmp_path, capsys):
     both = small_loop.without()
     for name, *message in small_loop.without(REFERENCE).items:

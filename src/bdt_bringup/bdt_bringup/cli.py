@@ -3,11 +3,13 @@
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
+from bdt_bringup.analysis.estimator_options import add_estimator_options
 from bdt_bringup.analysis.step_table import step_table
 from bdt_bringup.bag_writing.metadata_file import is_unfinished
 from bdt_bringup.bags.bag_error import BagError
@@ -83,12 +85,15 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _analyze(options: argparse.Namespace) -> int:
+    from bdt_bringup.analysis.estimator_setup import given_settings  # noqa: PLC0415
     from bdt_bringup.analysis.export import checked_formats  # noqa: PLC0415
 
     beside = options.bag.parent / f"{options.bag.name}_report"
     selection = TopicSelection(options.namespace, dict(map(topic_remapping, options.topic)))
     formats = checked_formats(options.export) if options.export is not None else ()
-    _report(options.bag, options.output or beside, selection, formats, as_json=options.json)
+    settings = given_settings(options.estimator, options.set)
+    output = options.output or beside
+    _report(options.bag, output, selection, formats, settings, as_json=options.json)
     return 0
 
 
@@ -134,13 +139,15 @@ def _report(
     output: Path,
     selection: TopicSelection | None = None,
     formats: Sequence[str] = (),
+    settings: Mapping[str, Any] | None = None,
     *,
     as_json: bool,
 ) -> None:
     from bdt_bringup.analysis.analyze import analyze  # noqa: PLC0415
+    from bdt_bringup.analysis.re_estimation_report import re_estimation_lines  # noqa: PLC0415
     from bdt_bringup.analysis.report import verdict  # noqa: PLC0415
 
-    summary = analyze(bag, output, selection, formats)
+    summary = analyze(bag, output, selection, formats, settings)
     if as_json:
         print(json.dumps(summary.to_dictionary(), indent=2))
         return
@@ -148,6 +155,9 @@ def _report(
     console.print(step_table(summary))
     result = verdict(summary)
     console.print(f"{result.headline}: {result.details}", soft_wrap=True, highlight=False)
+    if summary.re_estimation is not None:
+        for line in re_estimation_lines(summary.re_estimation):
+            console.print(line, soft_wrap=True, highlight=False, markup=False)
     if summary.missing:
         console.print(f"note: {'; '.join(summary.missing)}", soft_wrap=True, highlight=False)
     console.print(f"report: {output / 'report.html'}", soft_wrap=True, highlight=False)
@@ -212,6 +222,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FORMATS",
         help="also write figures (png, svg) and signals (csv, parquet); separated by commas",
     )
+    add_estimator_options(analyze_command)
     analyze_command.add_argument("--json", action="store_true", help="print summary.json")
     analyze_command.set_defaults(command=_analyze)
     compare = commands.add_parser(

@@ -12,6 +12,7 @@ import pytest
 from bdt_bringup.analysis.analyze import analyze
 from bdt_bringup.analysis.report import verdict
 from bdt_bringup.bags.bag_error import BagError
+from bdt_bringup.bags.recording import load_recording
 from bdt_msgs_py.topics import REFERENCE, TRUTH
 
 STEP_KEYS = {
@@ -54,7 +55,9 @@ def test_summary_file_has_the_agreed_fields(analyzed):
         "missing",
         "timing",
         "reconfiguration_delay",
+        "re_estimation",
     }
+    assert written["re_estimation"] is None, "nobody asked"
     assert set(written["estimate"]) == {"rms_error_rad", "max_error_rad", "worst_lag_s"}
     assert all(set(step) == STEP_KEYS for step in written["steps"])
 
@@ -194,6 +197,42 @@ def test_no_folder_for_a_bad_bag(tmp_path):
     with pytest.raises(BagError):
         analyze(tmp_path / "nothing", tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_the_gap_is_estimated_again(following_bag, tmp_path):
+    settings = {"estimator.kind": "output_error", "output_error.window": 5.0}
+    summary = analyze(following_bag, tmp_path, settings=settings)
+    written = json.loads((tmp_path / "summary.json").read_text(), parse_constant=not_json)
+    found = written["re_estimation"]
+    assert set(found) == {
+        "estimator",
+        "settings",
+        "recorded_settings",
+        "without_effect",
+        "sampling_rate_hz",
+        "estimates",
+        "rms_error_deg",
+        "worst_error_deg",
+        "coverage_95_percent",
+        "kept",
+        "kept_reason",
+        "rejected",
+        "rejected_reason",
+        "window_ms",
+        "live",
+    }
+    assert found["settings"] == {"output_error.window": 5.0}
+    assert found["live"]["estimates"] == len(load_recording(following_bag).estimates)
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert '<table id="re-estimation">' in report
+    assert "re-estimated (output_error)" in report
+    assert "<dt>Re-estimated</dt>" in report
+    assert replace(summary, re_estimation=None) == analyze(following_bag)
+
+
+def test_without_a_re_estimation_the_report_does_not_speak_of_it(analyzed):
+    _, output = analyzed
+    assert "re-estimat" not in (output / "report.html").read_text(encoding="utf-8").lower()
 
 
 def test_a_position_that_runs_away_is_not_called_stable(analyzed):

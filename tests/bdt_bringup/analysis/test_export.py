@@ -87,6 +87,19 @@ def test_times_are_those_of_the_bag(following_bag, exported):
         assert min(tables[name].data[0]) >= 1.7e9
 
 
+def test_estimates_of_the_recorded_telemetry_are_a_table(following_bag, exported, tmp_path):
+    assert not (exported[2] / "re_estimates.csv").exists(), "nobody asked"
+    settings = {"estimator.kind": "inverse_filter"}
+    analyze(following_bag, tmp_path, formats=("csv",), settings=settings)
+    head, rows = rows_of(tmp_path / "export" / "re_estimates.csv")
+    assert head == ["t[s]", "gap[rad]", "standard_uncertainty[rad]", "error[rad]"]
+    recording, (time, gap, uncertainty, error) = exported[0], np.array(rows, dtype=float).T
+    np.testing.assert_allclose(time, recording.estimates[:, 0], atol=1e-9)
+    np.testing.assert_array_equal(gap, recording.estimates[:, 1])
+    assert np.isnan(uncertainty).all()
+    np.testing.assert_allclose(gap - error, np.deg2rad(30.0) * time / 20.0, atol=1e-12)
+
+
 def test_without_truth_there_is_no_table_of_it(small_loop, tmp_path):
     bag = small_loop.without(TRUTH).write(tmp_path / "bag")
     analyze(bag, tmp_path / "out", formats=("csv",))

@@ -1,11 +1,13 @@
 """The curves of the plots: what is drawn is what was recorded."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from bdt_bringup.analysis.plot_series import panels, run_series
+from bdt_bringup.analysis.re_estimation import ReEstimation, StatedGaps
 from bdt_bringup.analysis.reference_steps import find_steps
 from bdt_bringup.run_signals import RunSignals
 
@@ -119,6 +121,28 @@ def test_the_uncertainty_is_a_band_around_the_estimate_in_force(run):
     assert lower.time[:2].tolist() == upper.time[:2].tolist() == [1.5, 4.0]
     np.testing.assert_allclose(np.deg2rad(lower.value[:2]), [0.08 - 0.02, 0.11 - 0.04])
     np.testing.assert_allclose(np.deg2rad(upper.value[:2]), [0.08 + 0.02, 0.11 + 0.04])
+
+
+def test_a_re_estimate_has_a_curve_and_a_band_of_its_own(run):
+    time, none = np.array([2.0, 6.0]), np.full(2, np.nan)
+    stated = StatedGaps(time, np.array([0.09, 0.1]), np.array([0.01, 0.02]), none)
+    summary = SimpleNamespace(estimator="output_error")
+    curves = run_series(run, steps_of(run), again=ReEstimation(stated, stated, summary))
+    assert [curve.name for curve in run_series(run, steps_of(run))] == [
+        curve.name for curve in curves[:-3]
+    ]
+    lower, upper, line = curves[-3:]
+    assert line.name == "re-estimated (output_error)"
+    assert {curve.panel for curve in curves[-3:]} == {"gap"}
+    (live,) = [curve for curve in curves if curve.name == "estimated gap"]
+    assert {curve.color for curve in curves[-3:]} == {line.color} != {live.color}
+    assert line.time.tolist() == pytest.approx([2.0, 6.0, 9.999])
+    np.testing.assert_allclose(np.deg2rad(line.value), [0.09, 0.1, 0.1])
+    np.testing.assert_allclose(np.deg2rad(upper.value), [0.11, 0.14, 0.14])
+    np.testing.assert_allclose(np.deg2rad(lower.value), [0.07, 0.06, 0.06])
+    unsure = replace(stated, uncertainty=none)
+    curves = run_series(run, steps_of(run), again=ReEstimation(unsure, stated, summary))
+    assert [curve.name for curve in curves if "re-est" in curve.name] == [line.name]
 
 
 def test_the_error_begins_at_the_scale_of_what_is_left(run):

@@ -1,10 +1,13 @@
 """From a bag to a report: load, analyze, write."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from bdt_bringup.analysis.estimator_setup import estimator_setup
 from bdt_bringup.analysis.export import FOLDER, export
 from bdt_bringup.analysis.figures import overview_figure, residual_figure
+from bdt_bringup.analysis.re_estimation import ReEstimation, re_estimate
 from bdt_bringup.analysis.reference_steps import ReferenceStep, find_steps
 from bdt_bringup.analysis.report import render_report
 from bdt_bringup.analysis.summary import Summary, summarize
@@ -23,6 +26,7 @@ def analyze(
     output: Path | None = None,
     selection: TopicSelection | None = None,
     formats: Sequence[str] = (),
+    settings: Mapping[str, Any] | None = None,
 ) -> Summary:
     """Analyze a bag and write ``report.html``, ``summary.json`` and ``figure.png``.
 
@@ -37,6 +41,9 @@ def analyze(
         Which loop and which topics are meant where the bag does not tell.
     formats : sequence of str
         What is exported beside the report; see :mod:`bdt_bringup.analysis.export`.
+    settings : mapping of str, optional
+        Estimate the gap again, with these parameters of the twin; see
+        :func:`bdt_bringup.analysis.estimator_setup.given_settings`. None does not.
 
     Returns
     -------
@@ -47,13 +54,18 @@ def analyze(
     ------
     BagError
         If the bag cannot be analyzed or the folder cannot be written.
+    BadInputError
+        If the gap cannot be estimated with these settings.
     """
     recording = load_recording(Path(bag), selection)
     steps = find_steps(recording.reference, recording.telemetry, recording.sample_time)
-    summary = summarize(recording, steps)
+    again = None
+    if settings is not None:
+        again = re_estimate(recording, estimator_setup(recording, settings))
+    summary = summarize(recording, steps, again.summary if again else None)
     if output is not None:
         _prepare(Path(output), Path(bag))
-        _write(Path(output), recording, steps, summary, formats)
+        _write(Path(output), recording, steps, summary, formats, again)
     return summary
 
 
@@ -74,6 +86,7 @@ def _write(
     steps: list[ReferenceStep],
     summary: Summary,
     formats: Sequence[str],
+    again: ReEstimation | None,
 ) -> None:
     overview = overview_figure(recording, steps, summary.steps)
     residuals = residual_figure(recording, steps, summary.steps)
@@ -83,6 +96,7 @@ def _write(
         summary,
         svg_text(overview, "overview"),
         svg_text(residuals, "residuals") if residuals is not None else None,
+        again,
     )
     try:
         (output / SUMMARY_FILE).write_text(summary.to_json(), encoding="utf-8")
@@ -90,7 +104,7 @@ def _write(
         write_png(overview, output / FIGURE_FILE)
         if formats:
             figures = {"overview": overview} | ({"residuals": residuals} if residuals else {})
-            export(output / FOLDER, formats, recording, summary.steps, figures)
+            export(output / FOLDER, formats, recording, summary.steps, figures, again)
     except OSError as error:
         raise _not_writable(output, error) from None
 

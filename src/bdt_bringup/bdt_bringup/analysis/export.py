@@ -7,8 +7,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
+from bdt_bringup.analysis.re_estimation import ReEstimation
 from bdt_bringup.analysis.reconfigurations import Reconfiguration, reconfiguration_log
 from bdt_bringup.analysis.step_analysis import StepSummary
 from bdt_bringup.bags.bag_error import BagError
@@ -21,6 +23,8 @@ FORMATS = ("png", "svg", "csv", "parquet")
 
 FOLDER = "export"
 """Folder of the exports within that of the report."""
+
+RE_ESTIMATE_COLUMNS = ("t[s]", "gap[rad]", "standard_uncertainty[rad]", "error[rad]")
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,9 @@ def checked_formats(text: str) -> tuple[str, ...]:
     return names
 
 
-def signal_tables(recording: Recording, steps: Sequence[StepSummary]) -> list[SignalTable]:
+def signal_tables(
+    recording: Recording, steps: Sequence[StepSummary], again: ReEstimation | None = None
+) -> list[SignalTable]:
     """Return the signals of a run, all samples of them, with the stamps of the bag.
 
     Parameters
@@ -68,12 +74,15 @@ def signal_tables(recording: Recording, steps: Sequence[StepSummary]) -> list[Si
         The run.
     steps : sequence of StepSummary
         Its steps.
+    again : ReEstimation, optional
+        What an estimator made of its telemetry.
 
     Returns
     -------
     list of SignalTable
         Telemetry, truth (if the bag has it), reference, estimates with their uncertainties (if the
-        twin tells them), dead zones, reconfigurations, steps. Times are on the clock of the
+        twin tells them), dead zones, re-estimates (if there are any), reconfigurations, steps.
+        What is not a number is unknown. Times are on the clock of the
         telemetry, a clock that counts from 1970 included.
     """
     origin = recording.time_origin
@@ -93,6 +102,10 @@ def signal_tables(recording: Recording, steps: Sequence[StepSummary]) -> list[Si
     if len(recording.uncertainties):
         heads = ("t[s]", "standard_uncertainty[rad]")
         tables.append(rows("uncertainties", heads, recording.uncertainties))
+    if again is not None:
+        stated = again.again
+        columns = (stated.time, stated.gap, stated.uncertainty, stated.error)
+        tables.append(rows("re_estimates", RE_ESTIMATE_COLUMNS, np.column_stack(columns)))
     names = [field.name for field in fields(StepSummary)]
     values = [list(column) for column in zip(*(astuple(step) for step in steps), strict=True)]
     if values:
@@ -102,9 +115,9 @@ def signal_tables(recording: Recording, steps: Sequence[StepSummary]) -> list[Si
         (entry.time_s + origin, *entry[1:3], _later(entry.estimate_time_s, origin), *entry[4:])
         for entry in reconfiguration_log(recording)
     ]
-    columns = [list(column) for column in zip(*log, strict=True)]
-    columns = columns or [[] for _ in Reconfiguration._fields]
-    tables.append(SignalTable("reconfigurations", Reconfiguration._fields, columns))
+    cells = [list(column) for column in zip(*log, strict=True)]
+    cells = cells or [[] for _ in Reconfiguration._fields]
+    tables.append(SignalTable("reconfigurations", Reconfiguration._fields, cells))
     tables.append(SignalTable("steps", names, values or [[] for _ in names]))
     return tables
 
@@ -119,6 +132,7 @@ def export(
     recording: Recording,
     steps: Sequence[StepSummary],
     figures: dict[str, Figure],
+    again: ReEstimation | None = None,
 ) -> list[Path]:
     """Write figures and signals.
 
@@ -134,6 +148,8 @@ def export(
         Its steps.
     figures : dict of str to Figure
         Figures by the names of their files.
+    again : ReEstimation, optional
+        What an estimator made of the telemetry.
 
     Returns
     -------
@@ -156,7 +172,7 @@ def export(
                 draw[name](figure, written[-1])
         else:
             writer: Callable[[SignalTable, Path], None] = write[name]
-            for table in signal_tables(recording, steps):
+            for table in signal_tables(recording, steps, again):
                 written.append(folder / f"{table.name}.{name}")
                 writer(table, written[-1])
     return written

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_bringup.analysis.figures import residual_limit
+from bdt_bringup.analysis.re_estimation import ReEstimation
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.drawing.curves import Panel, Series
 from bdt_bringup.drawing.decimation import envelope, hole_length
@@ -29,6 +30,9 @@ COVERAGE = 2.0
 
 SAME_POSITION = 1e-9
 """Difference [m] up to which the true position is the measured one."""
+
+RE_ESTIMATED = "run-4"
+"""Color of what an estimator made of the telemetry again."""
 
 TRUE_GAP, TRUE_Q3 = 3, 6
 """Columns of the truth."""
@@ -57,7 +61,10 @@ def panels(run: RunSignals, steps: list[ReferenceStep]) -> list[Panel]:
 
 
 def run_series(
-    run: RunSignals, steps: list[ReferenceStep], most_points: int = MOST_POINTS
+    run: RunSignals,
+    steps: list[ReferenceStep],
+    most_points: int = MOST_POINTS,
+    again: ReEstimation | None = None,
 ) -> list[Series]:
     """Return the curves of a run.
 
@@ -69,6 +76,8 @@ def run_series(
         Its steps.
     most_points : int
         Number of points that all curves may have together.
+    again : ReEstimation, optional
+        What an estimator made of its telemetry.
 
     Returns
     -------
@@ -77,8 +86,9 @@ def run_series(
         as well when the measured one is the same.
     """
     stretches = STRETCHES
+    repeated = [] if again is None else _re_estimates(run, again)
     while True:
-        series = _series(run, steps, _Decimation(stretches))
+        series = [*_series(run, steps, _Decimation(stretches)), *repeated]
         if sum(curve.time.size for curve in series) <= most_points or stretches <= FEWEST_STRETCHES:
             return series
         stretches //= 2
@@ -98,7 +108,7 @@ def _series(run: RunSignals, steps: list[ReferenceStep], measured: "_Decimation"
         curves += _truth(run, run.truth, steps, measured)
     curves += [
         *_reference_levels(steps),
-        *_uncertainty_band(run),
+        *_uncertainty_band(run, run.estimates, run.uncertainties, "estimate", "estimate"),
         _held(run, run.estimates, degrees, panel="gap", name="estimated gap", color="estimate"),
         _held(
             run,
@@ -219,18 +229,33 @@ def _held(
     )
 
 
-def _uncertainty_band(run: RunSignals) -> list[Series]:
-    """Return lower and upper edge of the estimate's uncertainty; no band where it is infinite."""
-    in_force = np.searchsorted(run.estimates[:, 0], run.uncertainties[:, 0], side="right") - 1
-    known = (in_force >= 0) & np.isfinite(run.uncertainties[:, 1])
+def _re_estimates(run: RunSignals, again: ReEstimation) -> list[Series]:
+    """Return what the estimator said of the recorded telemetry, and how sure it was."""
+    stated, name = again.again, f"re-estimated ({again.summary.estimator})"
+    if not len(stated.time):
+        return []
+    rows = np.column_stack([stated.time, stated.gap])
+    uncertainties = np.column_stack([stated.time, stated.uncertainty])
+    return [
+        *_uncertainty_band(run, rows, uncertainties, name, RE_ESTIMATED),
+        _held(run, rows, float(np.rad2deg(1.0)), panel="gap", name=name, color=RE_ESTIMATED),
+    ]
+
+
+def _uncertainty_band(
+    run: RunSignals, estimates: FloatArray, uncertainties: FloatArray, whose: str, color: str
+) -> list[Series]:
+    """Return lower and upper edge of an estimate's uncertainty; no band where it is not finite."""
+    in_force = np.searchsorted(estimates[:, 0], uncertainties[:, 0], side="right") - 1
+    known = (in_force >= 0) & np.isfinite(uncertainties[:, 1])
     if not known.any():
         return []
-    rows, gaps = run.uncertainties[known], run.estimates[in_force[known], 1]
-    degrees, name = float(np.rad2deg(1.0)), f"estimate ± {COVERAGE:g} standard uncertainties"
+    rows, gaps = uncertainties[known], estimates[in_force[known], 1]
+    degrees, name = float(np.rad2deg(1.0)), f"{whose} ± {COVERAGE:g} standard uncertainties"
     edges = []
     for sign in (-COVERAGE, COVERAGE):
         edge = np.stack([rows[:, 0], gaps + sign * rows[:, 1]], axis=1)
-        band = _held(run, edge, degrees, panel="gap", name=name, color="estimate")
+        band = _held(run, edge, degrees, panel="gap", name=name, color=color)
         edges.append(replace(band, width=0.0, quiet=sign < 0, fill=sign > 0))
     return edges
 

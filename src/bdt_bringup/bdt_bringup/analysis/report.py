@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from bdt_bringup.analysis.figures import time_label
 from bdt_bringup.analysis.interactive import PlottedRun, interactive_part
 from bdt_bringup.analysis.plot_series import panels, run_series
+from bdt_bringup.analysis.re_estimation import ReEstimation
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.report_tables import detail_tables, steps_table
 from bdt_bringup.analysis.run_names import run_names
@@ -101,6 +102,7 @@ def render_report(
     summary: Summary,
     overview: str,
     residuals: str | None,
+    again: ReEstimation | None = None,
 ) -> str:
     """Return the text of ``report.html``.
 
@@ -114,6 +116,8 @@ def render_report(
         What was found.
     overview, residuals : str
         The figures as SVG elements; None for a figure without content.
+    again : ReEstimation, optional
+        What an estimator made of the telemetry.
     """
     name = run_names([recording.path])[0]
     telemetry = recording.telemetry
@@ -127,12 +131,16 @@ def render_report(
         overview=overview,
         residuals=residuals,
         plots=interactive_part(
-            panels(recording, steps), run_series(recording, steps), [run], time_label(recording)
+            panels(recording, steps),
+            run_series(recording, steps, again=again),
+            [run],
+            time_label(recording),
         ),
         steps=steps_table(summary, steps),
         tables=detail_tables(recording, summary),
         timing=timing_tables([(name, summary)]),
         log=reconfiguration_table(recording),
+        again=again,
         missing=summary.missing,
         windows=sorted({f"{step.window:.3g}" for step in steps}),
     )

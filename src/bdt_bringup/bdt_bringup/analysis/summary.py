@@ -10,6 +10,7 @@ from bdt_bringup.analysis.estimate_analysis import EstimateSummary, summarize_es
 from bdt_bringup.analysis.judged_position import judged_telemetry
 from bdt_bringup.analysis.loop_timing import LoopTiming, summarize_timing
 from bdt_bringup.analysis.missing_samples import bridge_missing_samples
+from bdt_bringup.analysis.re_estimation import ReEstimationSummary
 from bdt_bringup.analysis.reconfigurations import (
     ReconfigurationSummary,
     summarize_reconfigurations,
@@ -50,6 +51,8 @@ class Summary:
         Period, jitter, gaps and latency of the loop.
     reconfiguration_delay : ReconfigurationSummary
         How late the dead zones follow the estimates.
+    re_estimation : ReEstimationSummary or None
+        What an estimator made of the recorded telemetry; None when nobody asked.
     """
 
     duration_s: float
@@ -64,6 +67,7 @@ class Summary:
     missing: tuple[str, ...]
     timing: LoopTiming
     reconfiguration_delay: ReconfigurationSummary
+    re_estimation: ReEstimationSummary | None
 
     def to_dictionary(self) -> dict[str, Any]:
         """Return what ``summary.json`` holds; a number that is not finite becomes None."""
@@ -92,7 +96,11 @@ class Summary:
         return max(known, key=lambda step: step.residual_peak_to_peak_m or 0.0, default=None)
 
 
-def summarize(recording: Recording, steps: list[ReferenceStep]) -> Summary:
+def summarize(
+    recording: Recording,
+    steps: list[ReferenceStep],
+    re_estimation: ReEstimationSummary | None = None,
+) -> Summary:
     """Return the summary of a run.
 
     Parameters
@@ -101,6 +109,8 @@ def summarize(recording: Recording, steps: list[ReferenceStep]) -> Summary:
         A loaded bag.
     steps : list of ReferenceStep
         Its steps.
+    re_estimation : ReEstimationSummary, optional
+        What an estimator made of its telemetry.
     """
     dead_zones = recording.dead_zones
     rows, sample_time = judged_telemetry(recording)
@@ -118,6 +128,7 @@ def summarize(recording: Recording, steps: list[ReferenceStep]) -> Summary:
         missing=recording.missing,
         timing=summarize_timing(recording),
         reconfiguration_delay=summarize_reconfigurations(recording),
+        re_estimation=re_estimation,
     )
 
 

@@ -1,9 +1,12 @@
-"""History of the dead zone and the pitch, from parameter events and diagnostics."""
+"""Parameters that a bag tells, from parameter events and diagnostics: dead zone, pitch, twin's."""
 
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from bdt_bringup.bags.bag_error import BagError
 from bdt_msgs_py.reading import nanoseconds_from_stamp
@@ -13,6 +16,13 @@ PITCH_PARAMETER = "lead_screw.pitch"
 DIAGNOSED_DEAD_ZONE = f"{DEAD_ZONE_PARAMETER}_m"
 _DOUBLE = 3
 """``rcl_interfaces/msg/ParameterType.PARAMETER_DOUBLE``."""
+_VALUE_FIELDS = {
+    1: "bool_value",
+    2: "integer_value",
+    _DOUBLE: "double_value",
+    4: "string_value",
+}
+"""Field of ``rcl_interfaces/msg/ParameterValue`` for each type that is no array."""
 
 
 class DeadZoneChange(NamedTuple):
@@ -86,6 +96,33 @@ def recorded_pitch(events: Sequence[Any], namespace: str) -> float | None:
                 if value > 0:
                     return value
     return None
+
+
+def recorded_parameters(events: Sequence[Any], node: str) -> dict[str, bool | int | float | str]:
+    """Return the parameters of a node, with the values that they had last; arrays are left out.
+
+    Parameters
+    ----------
+    events : sequence of ParameterEvent
+        All events of the bag.
+    node : str
+        Name of the node with its namespace.
+    """
+    return {
+        parameter.name: getattr(parameter.value, _VALUE_FIELDS[parameter.value.type])
+        for event in events
+        if event.node == node
+        for parameter in (*event.new_parameters, *event.changed_parameters)
+        if parameter.value.type in _VALUE_FIELDS
+    }
+
+
+def value_changes(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rows of (time, value) whose value differs from that of the row before."""
+    if not len(rows):
+        return rows
+    kept: NDArray[np.float64] = rows[np.concatenate([[True], np.diff(rows[:, 1]) != 0])]
+    return kept
 
 
 def diagnosed_dead_zones(

@@ -1,9 +1,9 @@
 """Recording of one run as numpy arrays, all on the clock of the telemetry."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,9 @@ from bdt_bringup.bags.joint_positions import dead_zone_requests, joint_positions
 from bdt_bringup.bags.parameter_log import (
     diagnosed_dead_zones,
     parameter_changes,
+    recorded_parameters,
     recorded_pitch,
+    value_changes,
 )
 from bdt_bringup.bags.recording_clock import (
     NO_MESSAGES,
@@ -46,6 +48,7 @@ from bdt_msgs_py.topics import (
     TELEMETRY_COLUMNS,
     TRUTH,
     TRUTH_COLUMNS,
+    TWIN_NODE,
     Topic,
 )
 from bdt_plant.lead_screw import LeadScrewParameters
@@ -93,6 +96,8 @@ class Recording(RunSignals):
         Number of messages by topic.
     missing : tuple of str
         What the bag lacks, each with what follows from it.
+    twin_parameters : mapping of str
+        Parameters of the twin by name, as far as the bag tells them.
     """
 
     path: Path
@@ -104,6 +109,7 @@ class Recording(RunSignals):
     batches: MessageTimes
     message_counts: Mapping[str, int]
     missing: tuple[str, ...] = ()
+    twin_parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
 
     @property
     def missing_samples(self) -> int:
@@ -161,7 +167,10 @@ def load_recording(path: Path, selection: TopicSelection | None = None) -> Recor
     )
     sent = NO_MESSAGES if batches is None else batch_times(bag, TELEMETRY, batches, origin, begin)
     clock = _Clock(telemetry, measurements if len(measurements.stamps) else sent, origin, begin)
-    dead_zones, reconfigurations, pitch = _dead_zone_log(bag, source, clock)
+    raw = bag.topics.get(PARAMETER_EVENTS)
+    events = [] if raw is None else decode(bag.path, raw)
+    namespace = bag.topics[source].namespace
+    dead_zones, reconfigurations = _dead_zone_log(bag, namespace, events, clock)
     return Recording(
         path=bag.path,
         time_origin=origin,
@@ -177,7 +186,8 @@ def load_recording(path: Path, selection: TopicSelection | None = None) -> Recor
         requests=dead_zone_requests(bag, clock.times),
         dead_zones=dead_zones,
         reconfigurations=reconfigurations,
-        pitch=pitch,
+        pitch=recorded_pitch(events, namespace) or LeadScrewParameters().pitch,
+        twin_parameters=recorded_parameters(events, f"{namespace}/{TWIN_NODE}"),
         measurements=measurements,
         commands=commands,
         batches=sent,
@@ -234,22 +244,17 @@ def _truth(bag: RawBag, origin: float) -> FloatArray | None:
     return rows if len(rows) else None
 
 
-def _dead_zone_log(bag: RawBag, source: Topic, clock: _Clock) -> tuple[FloatArray, int, float]:
-    """Return dead zones over time, number of reconfigurations and pitch."""
-    changes, reconfigurations = np.empty((0, 2)), 0
-    pitch = LeadScrewParameters().pitch
-    namespace = bag.topics[source].namespace
+def _dead_zone_log(
+    bag: RawBag, namespace: str, events: Sequence[Any], clock: _Clock
+) -> tuple[FloatArray, int]:
+    """Return dead zones over time and number of reconfigurations."""
+    changes, log = np.empty((0, 2)), []
     raw = bag.topics.get(PARAMETER_EVENTS)
     if raw is not None:
-        events = decode(bag.path, raw)
-        pitch = recorded_pitch(events, namespace) or pitch
         log = parameter_changes(bag.path, events, raw.received, namespace)
-        reconfigurations = sum(not change.initial for change in log)
-        if log:
-            when = clock.times(
-                [change.stamp for change in log], [change.received for change in log]
-            )
-            changes = np.stack([when, [change.value for change in log]], axis=1)
+    if log:
+        when = clock.times([change.stamp for change in log], [change.received for change in log])
+        changes = np.stack([when, [change.value for change in log]], axis=1)
     raw = bag.topics.get(DIAGNOSTICS)
     if raw is not None and (not len(changes) or not log[0].initial):
         # Parameter events are volatile: a recorder that came late has missed the first value.
@@ -259,13 +264,6 @@ def _dead_zone_log(bag: RawBag, source: Topic, clock: _Clock) -> tuple[FloatArra
         when = clock.times([0] * len(seen), [received for received, _ in seen])
         rows = np.array([(t, value) for t, (_, value) in zip(when, seen, strict=True)])
         rows = rows.reshape(-1, 2)
-        changes = np.concatenate([_value_changes(rows), changes])
-    return changes[np.argsort(changes[:, 0], kind="stable")], reconfigurations, pitch
-
-
-def _value_changes(rows: FloatArray) -> FloatArray:
-    """Return the rows whose value differs from the row before."""
-    if not len(rows):
-        return rows
-    kept: FloatArray = rows[np.concatenate([[True], np.diff(rows[:, 1]) != 0])]
-    return kept
+        changes = np.concatenate([value_changes(rows), changes])
+    reconfigurations = sum(not change.initial for change in log)
+    return changes[np.argsort(changes[:, 0], kind="stable")], reconfigurations

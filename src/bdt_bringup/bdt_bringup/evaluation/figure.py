@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from bdt_bringup.drawing import figure_style as style
 from bdt_bringup.evaluation.trial import Trial
 
-SMALLEST = 1e-3
-"""Smallest error that is drawn [deg]."""
+SMALLEST, LARGEST = 1e-3, 1e3
+"""Errors that are smaller or larger are drawn at these [deg]."""
 
 
 def error_figure(trials: Mapping[tuple[str, str], Sequence[Trial]]) -> Figure:
@@ -39,7 +39,7 @@ def error_figure(trials: Mapping[tuple[str, str], Sequence[Trial]]) -> Figure:
                 errors = np.concatenate([trial.errors for trial in trials[case, kind]])
                 if not errors.size:
                     continue
-                sizes = np.maximum(np.rad2deg(np.abs(errors)), SMALLEST)
+                sizes = np.rad2deg(np.abs(errors)).clip(SMALLEST, LARGEST)
                 place = row + (number - 0.5 * (len(kinds) - 1)) * width
                 low, first, middle, third, high = np.percentile(sizes, [5, 25, 50, 75, 95])
                 axes.plot([low, high], [place, place], color=color, lw=1.0)
@@ -55,9 +55,10 @@ def error_figure(trials: Mapping[tuple[str, str], Sequence[Trial]]) -> Figure:
                 axes.plot([middle], [place], color=color, marker="|", ms=10)
                 axes.plot([sizes.max()], [place], color=color, marker="x", ms=5)
         axes.set_xscale("log")
+        axes.set_xlim(SMALLEST, 1.5 * LARGEST)
         axes.set_yticks(range(len(cases)), cases)
         axes.invert_yaxis()
-        axes.set_xlabel("size of the error of the estimated gap [deg]")
+        axes.set_xlabel(f"size of the error of the estimated gap [deg], {LARGEST:g} for more")
         axes.legend(loc="lower right")
         style.fix_layout(figure)
     return figure

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bdt_bringup.analysis.estimate_analysis import interval_coverage
 from bdt_bringup.evaluation.trial import Trial
 from bdt_bringup.reproduction.claims import LARGEST_BIAS
-
-COVERAGE_FACTOR = 1.96
-"""Standard uncertainties on either side of an interval that covers 95 %."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +61,6 @@ def summarize_trials(case: str, estimator: str, trials: Sequence[Trial]) -> Case
     """
     errors = np.concatenate([trial.errors for trial in trials])
     sigmas = np.concatenate([trial.uncertainties for trial in trials])
-    stated = np.isfinite(sigmas)
-    covered = np.abs(errors[stated]) <= COVERAGE_FACTOR * sigmas[stated]
     bounds = np.concatenate([trial.bounds for trial in trials])
     at_bounds = np.concatenate([trial.bound_errors for trial in trials])
     times = np.concatenate([trial.window_times for trial in trials])
@@ -73,7 +69,7 @@ def summarize_trials(case: str, estimator: str, trials: Sequence[Trial]) -> Case
         estimator,
         math.degrees(_rms(errors)) if errors.size else None,
         math.degrees(float(np.abs(errors).max())) if errors.size else None,
-        100.0 * float(covered.mean()) if covered.size else None,
+        interval_coverage(errors, sigmas),
         _rms(at_bounds) / _rms(bounds) if bounds.size else None,
         100.0 * float(np.mean([trial.limit_cycles == 0 for trial in trials])),
         100.0 * float(np.mean([trial.worst_bias < LARGEST_BIAS for trial in trials])),

@@ -4,6 +4,7 @@ A node started with ``ros2 run`` checks its own parameters; here all nodes of a 
 once, with the file's name in the message and no process to clean up.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from pathlib import Path
@@ -91,19 +92,80 @@ def load_configuration(path: Path | None) -> Configuration:
             known = known_parameters(node)
             for name, value in _flat(parameters):
                 if name in known:
-                    _check_value(f"{path}: {section}: {name}", value, *known[name])
+                    check_value(f"{path}: {section}: {name}", value, *known[name])
                 elif name not in _ROS_PARAMETERS and not name.startswith("qos_overrides."):
                     if section.endswith("*"):
                         continue
                     raise BadInputError(
                         f"{path}: {section}: {name} = {value!r}: is not a parameter of this node"
-                        f"{_suggestion(name, known)}"
+                        f"{suggestion(name, known)}"
                     )
                 values[node][name] = value
     configuration = Configuration(path, values)
     for node in NODES:
-        _check_sets(configuration, node)
+        try:
+            parameter_sets(configuration, node)
+        except ValueError as error:
+            raise BadInputError(f"{path}: {node}: {error}") from error
     return configuration
+
+
+def check_value(label: str, value: Any, default: Any, described: Quantity) -> None:
+    """Check one value as strictly as the node would.
+
+    Parameters
+    ----------
+    label : str
+        What the message calls it.
+    value, default, described
+        See :func:`bdt_msgs_py.quantities.check`.
+
+    Raises
+    ------
+    BadInputError
+        With one line that names the parameter, the value and what is allowed.
+    """
+    # ROS parameters are typed: a node would refuse the integer 5 where 5.0 is wanted.
+    items = value if isinstance(value, list) else [value]
+    first = default[0] if isinstance(default, tuple) else default
+    if isinstance(first, float) and any(type(item) is int for item in items):
+        raise BadInputError(f"{label} = {value!r}: must be written with a decimal point")
+    try:
+        check(label, value, default, described)
+    except ValueError as error:
+        raise BadInputError(str(error)) from error
+
+
+def parameter_sets(configuration: Configuration, node: str) -> list[Any]:
+    """Return the dataclasses of a node with the values in force, in the order of its table.
+
+    Parameters
+    ----------
+    configuration : Configuration
+        The values, each of which was checked.
+    node : str
+        The node.
+
+    Raises
+    ------
+    ValueError
+        If values do not go together, with one line that says which.
+    """
+    built = []
+    for prefix, kind in NODES[node]:
+        lead = f"{prefix}." if prefix else ""
+        values = {
+            item.name: configuration.value(node, f"{lead}{item.name}") for item in fields(kind)
+        }
+        lists = {name: tuple(value) for name, value in values.items() if isinstance(value, list)}
+        built.append(kind(**{**values, **lists}))
+    return built
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Return the end of a message about an unknown name: the name that was meant, if any."""
+    close = get_close_matches(name, known, n=1)
+    return f"; did you mean {close[0]}?" if close else ""
 
 
 def _sections(path: Path) -> dict[str, dict[str, Any]]:
@@ -142,34 +204,3 @@ def _flat(parameters: Any, prefix: str = "") -> list[tuple[str, Any]]:
         return [(prefix, parameters)]
     lead = f"{prefix}." if prefix else ""
     return [item for name, value in parameters.items() for item in _flat(value, f"{lead}{name}")]
-
-
-def _check_value(label: str, value: Any, default: Any, described: Quantity) -> None:
-    # ROS parameters are typed: a node would refuse the integer 5 where 5.0 is wanted.
-    items = value if isinstance(value, list) else [value]
-    first = default[0] if isinstance(default, tuple) else default
-    if isinstance(first, float) and any(type(item) is int for item in items):
-        raise BadInputError(f"{label} = {value!r}: must be written with a decimal point")
-    try:
-        check(label, value, default, described)
-    except ValueError as error:
-        raise BadInputError(str(error)) from error
-
-
-def _check_sets(configuration: Configuration, node: str) -> None:
-    """Build the dataclasses, which check what concerns several values at once."""
-    for prefix, kind in NODES[node]:
-        lead = f"{prefix}." if prefix else ""
-        values = {
-            item.name: configuration.value(node, f"{lead}{item.name}") for item in fields(kind)
-        }
-        lists = {name: tuple(value) for name, value in values.items() if isinstance(value, list)}
-        try:
-            kind(**{**values, **lists})
-        except ValueError as error:
-            raise BadInputError(f"{configuration.path}: {node}: {error}") from error
-
-
-def _suggestion(name: str, known: dict[str, Any]) -> str:
-    close = get_close_matches(name, known, n=1)
-    return f"; did you mean {close[0]}?" if close else ""
