@@ -225,7 +225,8 @@ def test_the_gap_is_estimated_again(following_bag, tmp_path):
     assert found["live"]["estimates"] == len(load_recording(following_bag).estimates)
     report = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert '<table id="re-estimation">' in report
-    assert "re-estimated (output_error)" in report
+    assert '"re-estimated (output_error)"' in report, "the curve of the plot"
+    assert "re-estimated (output_error)</text>" in report, "the legend of the picture"
     assert "<dt>Re-estimated</dt>" in report
     assert replace(summary, re_estimation=None) == analyze(following_bag)
 

@@ -113,6 +113,14 @@ def test_the_twin_s_parameters_are_read_from_the_bag(small_loop, tmp_path):
     assert estimator_setup(recording, {"motor.inertia": 1e-4}).model.structure.mass == 5.6
 
 
+def test_the_twin_of_the_loop_s_own_namespace_counts(loop_messages, tmp_path):
+    messages = loop_messages(duration=0.6, sampling_rate=500.0, control_rate=50.0, namespace="/a")
+    messages.parameter(0.0, "/a/twin", "structure.mass", 5.5, initial=True)
+    messages.parameter(0.0, "/twin", "structure.mass", 9.9, initial=True)
+    recording = load_recording(messages.write(tmp_path / "bag"))
+    assert recording.twin_parameters == {"structure.mass": 5.5}
+
+
 def test_a_bag_with_a_value_that_is_not_allowed_is_named(recording):
     odd = replace(recording, twin_parameters={"motor.resistance": -1.0})
     with pytest.raises(

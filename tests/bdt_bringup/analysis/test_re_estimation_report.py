@@ -42,8 +42,8 @@ def test_the_live_twin_stands_in_the_same_line(summary):
         "  set output_error.window = 10.0, estimator.window = 4.0",
         "  from the bag motor.resistance = 1.5",
         "  no effect on output_error: estimator.window",
-        "  2 windows taught nothing, the first: the lead screw does not move",
-        "  3 batches rejected, the first: the batch is empty",
+        "  windows that taught nothing: 2, the first: the lead screw does not move",
+        "  batches rejected: 3, the first: the batch is empty",
     ]
 
 
@@ -70,7 +70,7 @@ def test_the_table_sets_both_side_by_side(summary):
     cells = {row.cells[0]: row.cells[1:] for row in table.rows}
     assert [column.name for column in table.columns[1:3]] == ["live", "re-estimated"]
     assert cells["estimates"] == ("467", "119", "")
-    assert cells["gap error where stated, root mean square"] == ("1.500", "0.123", "deg")
+    assert cells["gap error where stated, root mean square"] == ("1.5", "0.123", "deg")
     assert cells["95 % intervals that hold the true gap"] == ("", "93.8", "%")
     assert cells["telemetry batches rejected"] == ("", "3", "")
-    assert "3 batches rejected, the first: the batch is empty." in table.note
+    assert "Batches rejected: 3, the first: the batch is empty." in table.note

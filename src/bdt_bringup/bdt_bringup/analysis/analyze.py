@@ -88,7 +88,7 @@ def _write(
     formats: Sequence[str],
     again: ReEstimation | None,
 ) -> None:
-    overview = overview_figure(recording, steps, summary.steps)
+    overview = overview_figure(recording, steps, summary.steps, again)
     residuals = residual_figure(recording, steps, summary.steps)
     report = render_report(
         recording,

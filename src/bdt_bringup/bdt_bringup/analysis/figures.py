@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bdt_bringup.analysis.re_estimation import ReEstimation
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.step_analysis import StepSummary
 from bdt_bringup.drawing import figure_style as style
@@ -21,7 +22,10 @@ MOST_PANELS = 24
 
 
 def overview_figure(
-    run: RunSignals, steps: list[ReferenceStep], results: tuple[StepSummary, ...]
+    run: RunSignals,
+    steps: list[ReferenceStep],
+    results: tuple[StepSummary, ...],
+    again: ReEstimation | None = None,
 ) -> Figure:
     """Return reference and position, motor voltage, and gap with estimate and dead zone over time.
 
@@ -33,6 +37,8 @@ def overview_figure(
         Its steps.
     results : tuple of StepSummary
         What was found in each; steps with a limit cycle are shaded.
+    again : ReEstimation, optional
+        What an estimator made of the telemetry.
     """
     with style.house_style():
         figure = style.new_figure(9.6, 7.6)
@@ -40,7 +46,7 @@ def overview_figure(
         position, voltage, gap = grid.tolist()
         _draw_position(position, run, steps)
         _draw_voltage(voltage, run)
-        _draw_gap(gap, run)
+        _draw_gap(gap, run, again)
         for axes in (position, voltage, gap):
             _shade_limit_cycles(axes, steps, results, label=axes is position)
         style.outside_legend(position, 3)
@@ -139,7 +145,11 @@ def _draw_voltage(axes: Axes, run: RunSignals) -> None:
     _letter(axes, "(b)")
 
 
-def _draw_gap(axes: Axes, run: RunSignals) -> None:
+def _draw_gap(axes: Axes, run: RunSignals, again: ReEstimation | None) -> None:
+    re_estimates, name = np.empty((0, 2)), ""
+    if again is not None:
+        re_estimates = np.column_stack([again.again.time, again.again.gap])
+        name = f"re-estimated ({again.summary.estimator})"
     end = run.telemetry[-1, 0]
     if run.truth is not None:
         gap = np.rad2deg(run.truth[:, 3])
@@ -152,6 +162,7 @@ def _draw_gap(axes: Axes, run: RunSignals) -> None:
         )
     for rows, scale, color, dashes, label in (
         (run.estimates, 1.0, style.ESTIMATE, "-", "estimated gap"),
+        (re_estimates, 1.0, style.RUNS[3], "-", name),
         (run.dead_zones, run.pitch, style.DEAD_ZONE, (0, (3, 1.5)), "dead zone ε/p"),
     ):
         if len(rows):

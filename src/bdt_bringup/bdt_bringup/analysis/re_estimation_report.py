@@ -28,9 +28,11 @@ def remarks(summary: ReEstimationSummary) -> list[str]:
         names = ", ".join(summary.without_effect)
         lines.append(f"no effect on {summary.estimator}: {names}")
     if summary.kept_reason is not None:
-        lines.append(f"{summary.kept} windows taught nothing, the first: {summary.kept_reason}")
+        lines.append(
+            f"windows that taught nothing: {summary.kept}, the first: {summary.kept_reason}"
+        )
     if summary.rejected_reason is not None:
-        lines.append(f"{summary.rejected} batches rejected, the first: {summary.rejected_reason}")
+        lines.append(f"batches rejected: {summary.rejected}, the first: {summary.rejected_reason}")
     return lines
 
 
@@ -58,8 +60,8 @@ def re_estimation_table(again: ReEstimationSummary) -> Table:
         ),
         rows=[
             row("estimates", "", "estimates", ".0f"),
-            row("gap error where stated, root mean square", "deg", "rms_error_deg", ".3f"),
-            row("gap error where stated, largest", "deg", "worst_error_deg", ".3f"),
+            row("gap error where stated, root mean square", "deg", "rms_error_deg", ".3g"),
+            row("gap error where stated, largest", "deg", "worst_error_deg", ".3g"),
             row("95 % intervals that hold the true gap", "%", "coverage_95_percent", ".1f"),
             row("windows that taught nothing", "", "kept", ".0f"),
             row("telemetry batches rejected", "", "rejected", ".0f"),

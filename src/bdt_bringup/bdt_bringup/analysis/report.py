@@ -7,6 +7,7 @@ from bdt_bringup.analysis.figures import time_label
 from bdt_bringup.analysis.interactive import PlottedRun, interactive_part
 from bdt_bringup.analysis.plot_series import panels, run_series
 from bdt_bringup.analysis.re_estimation import ReEstimation
+from bdt_bringup.analysis.re_estimation_report import re_estimation_table
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.report_tables import detail_tables, steps_table
 from bdt_bringup.analysis.run_names import run_names
@@ -140,7 +141,7 @@ def render_report(
         tables=detail_tables(recording, summary),
         timing=timing_tables([(name, summary)]),
         log=reconfiguration_table(recording),
-        again=again,
+        again=re_estimation_table(again.summary) if again else None,
         missing=summary.missing,
         windows=sorted({f"{step.window:.3g}" for step in steps}),
     )

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable
 
-from bdt_bringup.analysis.re_estimation_report import re_estimation_table
 from bdt_bringup.analysis.reference_steps import ReferenceStep
 from bdt_bringup.analysis.step_analysis import StepSummary
 from bdt_bringup.analysis.summary import Summary
@@ -77,9 +76,7 @@ def detail_tables(recording: Recording, summary: Summary) -> Iterable[Table]:
 
     The page shows whatever is here, in this order.
     """
-    again = summary.re_estimation
-    repeated = () if again is None else (re_estimation_table(again),)
-    return (_estimate_table(recording, summary), *repeated, _message_table(summary))
+    return (_estimate_table(recording, summary), _message_table(summary))
 
 
 def _estimate_table(recording: Recording, summary: Summary) -> Table:
