@@ -10,12 +10,11 @@ from typing import Any
 from rich.console import Console
 
 from bdt_bringup.analysis.estimator_options import add_estimator_options
-from bdt_bringup.analysis.step_table import step_table
 from bdt_bringup.bag_writing.metadata_file import is_unfinished
 from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.topic_selection import TopicSelection, topic_remapping
 from bdt_bringup.benchmarks.bench_table import bench_table
-from bdt_bringup.evaluation.command import add_evaluate_command
+from bdt_bringup.evaluation.options import add_evaluate_command
 from bdt_bringup.recovery.command import add_recover_command
 from bdt_bringup.running.configuration import BadInputError, load_configuration
 from bdt_bringup.running.record_command import add_record_command
@@ -146,6 +145,7 @@ def _report(
     from bdt_bringup.analysis.analyze import analyze  # noqa: PLC0415
     from bdt_bringup.analysis.re_estimation_report import re_estimation_lines  # noqa: PLC0415
     from bdt_bringup.analysis.report import verdict  # noqa: PLC0415
+    from bdt_bringup.analysis.step_table import step_table  # noqa: PLC0415
 
     summary = analyze(bag, output, selection, formats, settings)
     if as_json:

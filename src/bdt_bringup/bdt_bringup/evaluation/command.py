@@ -7,8 +7,6 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
 from multiprocessing import get_context
 from os import cpu_count
-from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -23,45 +21,10 @@ from bdt_twin.estimator_choice import KINDS, EstimatorChoice, create_estimator
 from bdt_twin.inverse_filter import InverseFilterSettings
 from bdt_twin.output_error_settings import OutputErrorSettings
 
-RUNS = 10
-"""Runs of each case and estimator unless more are asked for."""
-
-
-def add_evaluate_command(commands: Any) -> None:
-    """Add ``evaluate`` to the commands of ``bdt``."""
-    parser = commands.add_parser(
-        "evaluate",
-        help="compare estimators on data like a laboratory's",
-        description="Run random scenarios in closed loop with each estimator and state errors, "
-        "coverage of the stated uncertainty, limit cycles, bias and processor time.",
-    )
-    parser.add_argument(
-        "--estimator",
-        action="append",
-        metavar="KIND",
-        help=f"{', '.join(KINDS)} or module:name; may be repeated (default: {', '.join(KINDS)})",
-    )
-    parser.add_argument(
-        "--cases",
-        nargs="+",
-        metavar="CASE",
-        default=[case.name for case in CASES],
-        help=f"out of {', '.join(case.name for case in CASES)} (default: all)",
-    )
-    parser.add_argument(
-        "--runs", type=int, metavar="N", default=RUNS, help=f"runs of each (default: {RUNS})"
-    )
-    parser.add_argument(
-        "--seed", type=int, metavar="N", default=0, help="number of the first scenario (default: 0)"
-    )
-    parser.add_argument("--figure", type=Path, metavar="FILE", help="picture of the errors")
-    parser.add_argument("--json", action="store_true", help="print the table as JSON")
-    parser.set_defaults(command=evaluate)
-
 
 def evaluate(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    cases = [_case(name) for name in options.cases]
+    cases = [_case(name) for name in options.cases] if options.cases else list(CASES)
     kinds = [_kind(kind) for kind in options.estimator or KINDS]
     if options.runs < 1 or options.seed < 0:
         raise BadInputError(
