@@ -9,6 +9,7 @@ from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
+from bdt_bringup.bag_writing import bag_files
 from bdt_bringup.bag_writing.bag_files import BagFiles
 from bdt_bringup.bag_writing.metadata_file import is_unfinished
 from bdt_bringup.bag_writing.recorded_topic import BagWriteError, Message, recorded_topic
@@ -176,6 +177,22 @@ def test_a_folder_that_exists_is_refused_and_a_type_that_nobody_knows_too(tmp_pa
         BagFiles(tmp_path)
     with pytest.raises(ValueError, match="must be of a type of Jazzy's common interfaces"):
         recorded_topic("/x", "my_msgs/msg/Mine", "")
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"storage": "mcap"}, "mcap needs the Python package mcap"),
+        ({"storage": "sqlite3", "compression": "zstd"}, "zstd needs the Python package zstandard"),
+    ],
+)
+def test_a_package_that_is_missing_is_named_before_anything_is_written(
+    tmp_path, monkeypatch, options, says
+):
+    monkeypatch.setattr(bag_files, "find_spec", lambda _: None)
+    with pytest.raises(BagWriteError, match=says):
+        BagFiles(tmp_path / "bag", **options)
+    assert not (tmp_path / "bag").exists()
 
 
 def test_a_closed_bag_takes_nothing_more(tmp_path):

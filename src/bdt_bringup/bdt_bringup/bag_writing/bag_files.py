@@ -3,12 +3,10 @@
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import zstandard
-
-from bdt_bringup.bag_writing.mcap_file import McapFile
 from bdt_bringup.bag_writing.metadata_file import (
     UNFINISHED,
     FileSpan,
@@ -18,6 +16,12 @@ from bdt_bringup.bag_writing.metadata_file import (
 )
 from bdt_bringup.bag_writing.recorded_topic import BagWriteError, Message, RecordedTopic
 from bdt_bringup.bag_writing.sqlite_file import SqliteFile
+
+if TYPE_CHECKING:
+    from bdt_bringup.bag_writing.mcap_file import McapFile
+
+NEEDS = {"mcap": "mcap", "zstd": "zstandard"}
+"""Python packages behind storages and compressions; a ROS 2 installation may lack them."""
 
 SMALLEST_PIECE = 1 << 16
 """Messages between two looks at the size of a file that is to be split [byte]."""
@@ -51,7 +55,7 @@ class BagFiles:
     OSError
         If the folder exists or cannot be created.
     BagWriteError
-        If the first file cannot be created.
+        If the first file cannot be created, or a package is missing that writes it.
     """
 
     def __init__(
@@ -63,6 +67,10 @@ class BagFiles:
         split_size: int = 0,
         split_duration: float = 0.0,
     ) -> None:
+        for choice in (storage, compression):
+            package = NEEDS.get(choice)
+            if package is not None and find_spec(package) is None:
+                raise BagWriteError(f"{choice} needs the Python package {package}")
         folder.mkdir(parents=True)
         self.folder = folder
         self.storage = storage
@@ -169,17 +177,20 @@ class BagFiles:
             self._file = None
 
     @property
-    def _current(self) -> McapFile | SqliteFile:
+    def _current(self) -> "McapFile | SqliteFile":
         if self._file is None:
             raise BagWriteError("the bag is closed")
         return self._file
 
     def _begin_file(self) -> None:
-        suffix = McapFile.suffix if self.storage == "mcap" else SqliteFile.suffix
-        path = self.folder / f"{self.folder.name}_{len(self.spans)}{suffix}"
+        stem = f"{self.folder.name}_{len(self.spans)}"
         if self.storage == "mcap":
+            from bdt_bringup.bag_writing.mcap_file import McapFile  # noqa: PLC0415
+
+            path = self.folder / f"{stem}{McapFile.suffix}"
             self._file = McapFile(path, self.topics, self._compression)
         else:
+            path = self.folder / f"{stem}{SqliteFile.suffix}"
             self._file = SqliteFile(path, self.topics)
         self.spans.append(FileSpan(path.name))
         self._sync_folder()
@@ -235,6 +246,8 @@ class BagFiles:
         self._described = described
 
     def _compress_files(self, custom: Mapping[str, str]) -> None:
+        import zstandard  # noqa: PLC0415
+
         # Until the metadata name the compressed files, they name the others, which are all there.
         originals = [self.folder / span.name for span in self.spans]
         for span, original in zip(self.spans, originals, strict=True):

@@ -4,9 +4,10 @@ import argparse
 import json
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bdt_bringup.recovery.recover_bag import Recovery, recover_bag
+if TYPE_CHECKING:
+    from bdt_bringup.recovery.recover_bag import Recovery
 
 
 def add_recover_command(commands: Any) -> None:
@@ -26,6 +27,9 @@ def add_recover_command(commands: Any) -> None:
 
 
 def _recover(options: argparse.Namespace) -> int:
+    # The other commands start without the libraries of the storages.
+    from bdt_bringup.recovery.recover_bag import recover_bag  # noqa: PLC0415
+
     recovery = recover_bag(options.bag, options.output)
     if options.json:
         print(json.dumps(_as_dictionary(recovery), indent=2))
@@ -35,7 +39,7 @@ def _recover(options: argparse.Namespace) -> int:
     return 0
 
 
-def _lines(recovery: Recovery) -> list[str]:
+def _lines(recovery: "Recovery") -> list[str]:
     last = datetime.fromtimestamp(recovery.end * 1e-9).astimezone()
     duration = (recovery.end - recovery.start) * 1e-9
     lines = [f"{count:>9} {name}" for name, count in sorted(recovery.messages.items())]
@@ -50,7 +54,7 @@ def _lines(recovery: Recovery) -> list[str]:
     ]
 
 
-def _as_dictionary(recovery: Recovery) -> dict[str, Any]:
+def _as_dictionary(recovery: "Recovery") -> dict[str, Any]:
     return {
         "source": str(recovery.source),
         "output": str(recovery.output),
@@ -62,5 +66,5 @@ def _as_dictionary(recovery: Recovery) -> dict[str, Any]:
     }
 
 
-def _byte_count(recovery: Recovery) -> int:
+def _byte_count(recovery: "Recovery") -> int:
     return sum(damage.byte_count for damage in recovery.damage.values())
