@@ -11,6 +11,9 @@ from bdt_bringup.running.stop_signals import StopSignals
 STROKE = 0.005
 """Wall time [s] between two looks at what has arrived."""
 
+LOOKS = 2
+"""Looks without a message after which none is waiting."""
+
 QUIET = 0.2
 """Wall time [s] without a message after which nothing more is on its way."""
 
@@ -36,11 +39,15 @@ def spin_in_strokes(executor: SingleThreadedExecutor, node: MessageCounter) -> N
     """
     uninstall_signal_handlers()
     with StopSignals() as signals:
-        last_message = time.monotonic()
+        last_message, idle_looks = time.monotonic(), 0
         while not (signals.requested and time.monotonic() - last_message > QUIET):
             taken = node.messages
             executor.spin_once(timeout_sec=0.0)
             if node.messages > taken:
-                last_message = time.monotonic()
-            else:
+                last_message, idle_looks = time.monotonic(), 0
+                continue
+            # One look proves nothing: rclpy does not wait anew in the one that ends a wait set.
+            idle_looks += 1
+            if idle_looks == LOOKS:
                 time.sleep(STROKE)
+                idle_looks = 0
