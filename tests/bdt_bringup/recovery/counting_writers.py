@@ -24,7 +24,7 @@ from bdt_bringup.bag_writing.recorded_topic import recorded_topic
 TOPICS = ("/count", "/again")
 PERIOD = 2e-3
 LONGEST = 3.0
-"""Nothing is killed later than this [s]."""
+"""Nothing is killed later than this after its first message [s]."""
 
 
 def content(number: int) -> bytes:
@@ -63,15 +63,23 @@ def main() -> None:
             if pid == 0:
                 write_until_killed(Path(folder) / name, kind, times)
                 os._exit(1)
-            moment = time.monotonic() + moments.uniform(0.3, LONGEST)
-            started.append((moment, pid, name))
+            started.append((round(1e9 * moments.uniform(0.3, LONGEST)), pid, name))
     killed = {}
-    for moment, pid, name in sorted(started):
-        time.sleep(max(moment - time.monotonic(), 0.0))
-        killed[name] = time.monotonic_ns()
-        os.kill(pid, signal.SIGKILL)
-        assert os.WIFSIGNALED(os.waitpid(pid, 0)[1])
+    while len(killed) < len(started):
+        for age, pid, name in started:
+            if name not in killed and is_older(Path(folder) / f"{name}.times", age):
+                killed[name] = time.monotonic_ns()
+                os.kill(pid, signal.SIGKILL)
+                assert os.WIFSIGNALED(os.waitpid(pid, 0)[1])
+        time.sleep(PERIOD)
     print(json.dumps(killed))
+
+
+def is_older(times: Path, age: int) -> bool:
+    """Tell whether the first message of a process was written more than `age` [ns] ago."""
+    with times.open("rb") as file:
+        (first,) = struct.unpack("<q", file.read(8))
+    return 0 < first < time.monotonic_ns() - age
 
 
 if __name__ == "__main__":
