@@ -71,9 +71,17 @@ def compile_with_steps(
     """
     if find_spec("numba") is None:
         return build("")
-    files = frozenset[str]().union(*map(_compilable, steps))
-    sources = hashlib.sha256(b"".join(Path(name).read_bytes() for name in sorted(files)))
-    return compile_loop(build(sources.hexdigest()), signature())
+    return compile_loop(build(source_hash(source_files(steps))), signature())
+
+
+def source_files(steps: Iterable[Callable[..., Any]]) -> frozenset[str]:
+    """Let numba compile step functions and all they call, and return the files they are in."""
+    return frozenset[str]().union(*map(_compilable, steps))
+
+
+def source_hash(files: Iterable[str]) -> str:
+    """Return the hash that changes with any of the files."""
+    return hashlib.sha256(b"".join(Path(name).read_bytes() for name in sorted(files))).hexdigest()
 
 
 @cache

@@ -35,6 +35,7 @@ from bdt_plant.gap_profile import GapProfile, gap_at
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
 from bdt_plant.sensor import SensorParameters
+from bdt_twin.compilation import compile_loop, source_files, source_hash
 
 REFERENCE = Reference(step_time=2.0)
 GROWING = GapProfile(growth_time=8.0)
@@ -260,18 +261,18 @@ def test_unknown_signals_and_no_time_are_refused():
 
 
 def test_the_kernel_is_compiled_anew_when_an_equation_changes(tmp_path, monkeypatch):
-    files = [loop_kernel._compilable(function) for function in loop_kernel.COMPILED]
-    names = {Path(name).name for name in frozenset().union(*files)}
+    names = {Path(name).name for name in source_files(loop_kernel.COMPILED)}
     cores = ("plant", "motor", "lead_screw", "structure", "pid", "dead_zone")
     assert names >= {f"{core}.py" for core in (*cores, "friction", "sensor", "actuator")}
     core = tmp_path / "core.py"
     core.write_text("y = x")
-    before = loop_kernel._source_hash([str(core)])
+    before = source_hash([str(core)])
     core.write_text("y = -x")
-    after = loop_kernel._source_hash([str(core)])
+    after = source_hash([str(core)])
     assert before != after
 
     # Numba's own cache knows the file of the kernel, not those of the equations.
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
     for sources, hits in ((before, 0), (before, 1), (after, 0)):
-        assert sum(loop_kernel._compile_loop(sources).stats.cache_hits.values()) == hits
+        compiled = compile_loop(loop_kernel._closed_loop(sources), loop_kernel._signature())
+        assert sum(compiled.stats.cache_hits.values()) == hits

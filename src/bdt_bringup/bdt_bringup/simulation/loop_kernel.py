@@ -5,18 +5,14 @@ controller (eqs 4, 5, 7, 8), of sensor and actuator are compiled from outside, s
 nothing of numba, and the kernel gives the floats of the plain Python loop, bit for bit.
 """
 
-import hashlib
-import inspect
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from functools import cache, lru_cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import config, njit, typeof, types
-from numba.extending import register_jitable
+from numba import config, typeof, types
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
@@ -34,6 +30,7 @@ from bdt_plant.plant import (
     plant_step,
 )
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, delay_line, delayed, sensor_reading
+from bdt_twin.compilation import compile_with_steps
 
 FloatArray = NDArray[np.float64]
 
@@ -206,36 +203,23 @@ COMPILED = (plant_step, limited_pid_step, saturated, delayed, sensor_reading)
 @cache
 def compiled_loop() -> Any:
     """Return the compiled loop, from numba's cache if there is one of these very sources."""
-    files = [_compilable(function) for function in COMPILED]
-    return _compile_loop(_source_hash(frozenset().union(*files)))
+    with _rows_in_vectors():
+        return compile_with_steps(_closed_loop, COMPILED, _signature)
 
 
-@cache
-def _compilable(function: Callable[..., Any]) -> frozenset[str]:
-    """Let numba compile a step function and all it calls, and return the files they are in."""
-    register_jitable(function)
-    names = inspect.getclosurevars(function).globals.values()
-    files = frozenset([inspect.getfile(function)])
-    return files.union(*(_compilable(called) for called in names if inspect.isfunction(called)))
-
-
-def _source_hash(files: Iterable[str]) -> str:
-    return hashlib.sha256(b"".join(Path(name).read_bytes() for name in sorted(files))).hexdigest()
-
-
-def _compile_loop(sources: str) -> Any:
-    # Numba's cache watches the file of the kernel only and would go on with the equations of
-    # yesterday when a core changes. What a closure holds is part of the key, so it holds a hash.
+def _signature() -> Any:
     signal = types.Array(types.float64, 1, "A")
     given = types.Array(types.float64, 1, "C", readonly=True)
     step = discretize_loop(PlantModel(), PidGains(), Sampling())
-    signature: Any = (
+    return (
         typeof(loop_at_rest(0.0)),  # type: ignore[no-untyped-call]
         typeof(step),  # type: ignore[no-untyped-call]
         *(given for _ in LoopInputs._fields),
         *(signal for _ in SIMULATED),
     )
 
+
+def _closed_loop(sources: str) -> Callable[..., LoopState]:
     def closed_loop(
         state: LoopState,
         step: LoopStep,
@@ -282,8 +266,7 @@ def _compile_loop(sources: str) -> Any:
                 plant = plant_step(plant, voltage, gaps[sample + 1], step.plant)
         return LoopState(plant, pid, SensorState(begin + u.size, reading, line))
 
-    with _rows_in_vectors():
-        return njit([signature], cache=True, nogil=True)(closed_loop)
+    return closed_loop
 
 
 @contextmanager
