@@ -1,5 +1,6 @@
 """The plant: motor, lead screw with backlash and structure, one step function for all users."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from bdt_msgs_py.quantities import quantity, validate
 from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, saturated
 from bdt_plant.friction import FrictionStep, discretize_friction, frictional_motor_step
-from bdt_plant.gap_profile import GapProfile, gap_at
+from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.lead_screw import LeadScrewParameters, contact_side, play
 from bdt_plant.motor import (
     MotorParameters,
@@ -27,6 +28,11 @@ from bdt_plant.structure import (
     discretize_structure,
     structure_step,
 )
+
+FloatArray = NDArray[np.float64]
+
+GAPS_AT_A_TIME = 1000
+"""Samples for which a simulator computes the gap at a time."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +101,9 @@ class PlantState(NamedTuple):
     structure: StructureState
 
 
+HoldPeriod = Callable[[PlantState, float, FloatArray, PlantStep, FloatArray], PlantState]
+"""Type of :func:`hold_period`."""
+
 AT_REST = PlantState(MotorState(0.0, 0.0, 0.0), 0.0, 0, StructureState(0.0, 0.0, 0.0, 0.0))
 """Everything at zero, the motor in the middle of the gap."""
 
@@ -143,6 +152,36 @@ def plant_step(state: PlantState, voltage: float, gap: float, step: PlantStep) -
     return PlantState(motor, theta_d, contact, structure)
 
 
+def hold_period(
+    state: PlantState, voltage: float, gaps: FloatArray, step: PlantStep, positions: FloatArray
+) -> PlantState:
+    """Advance the plant by some samples with one voltage held (eqs 1, 2, 3 and 6).
+
+    Parameters
+    ----------
+    state : PlantState
+        State at the first sample.
+    voltage : float
+        Motor voltage u [V].
+    gaps : ndarray, shape (n,)
+        Backlash gap theta_b at the end of each sample [rad].
+    step : PlantStep
+        From :func:`discretize_plant`.
+    positions : ndarray, shape (n,)
+        Written: position q3 of platform 3 at the end of each sample [m].
+
+    Returns
+    -------
+    PlantState
+        State at the end of the last sample.
+    """
+    for n in range(gaps.size):
+        # A numpy number would make all that follows several times slower in plain Python.
+        state = plant_step(state, voltage, float(gaps[n]), step)
+        positions[n] = state.structure.q3
+    return state
+
+
 class PlantSimulator:
     """A plant that runs: discrete model, state and sample counter.
 
@@ -158,6 +197,8 @@ class PlantSimulator:
         Sensor of platform 3.
     actuator : ActuatorParameters
         Amplifier of the motor.
+    period : callable
+        :func:`hold_period`, or what gives the same floats in less time.
 
     Attributes
     ----------
@@ -176,10 +217,15 @@ class PlantSimulator:
         sampling: Sampling,
         sensor: SensorParameters = IDEAL_SENSOR,
         actuator: ActuatorParameters = IDEAL_ACTUATOR,
+        period: HoldPeriod = hold_period,
     ) -> None:
         self._profile = profile
         self._sampling = sampling
-        self._step = discretize_plant(model, 1.0 / sampling.sampling_rate)
+        step = discretize_plant(model, 1.0 / sampling.sampling_rate)
+        # A pitch written as 1 is an int, for which nothing is compiled.
+        self._step = step._replace(pitch=float(step.pitch))
+        self._period = period
+        self._gaps: list[FloatArray] = []
         # Without a gap the motor drives the screw from the very first sample.
         self.state = AT_REST._replace(contact=contact_side(0.0, 0.0, gap_at(profile, 0.0)))
         self.sample = self.saturated_steps = 0
@@ -220,7 +266,7 @@ class PlantSimulator:
             structure.q3,
         )
 
-    def advance(self, voltage: float) -> NDArray[np.float64]:
+    def advance(self, voltage: float) -> FloatArray:
         """Advance to the next measurement with `voltage` [V] held, as far as the actuator can.
 
         Returns
@@ -229,19 +275,27 @@ class PlantSimulator:
             Telemetry rows (t [s], u [V], q3 [m]) of the samples passed, the first one being the
             sample at which the voltage was applied: the voltage as applied, q3 as read.
         """
-        rate, state, step, profile = (
-            self._sampling.sampling_rate,
-            self.state,
-            self._step,
-            self._profile,
-        )
-        applied = saturated(voltage, self._voltage_limit)
+        applied = saturated(float(voltage), self._voltage_limit)
         self.saturated_steps += applied != voltage
-        rows = []
-        for sample in range(self.sample, self.sample + self._sampling.samples_per_control_step):
-            rows.append((sample / rate, applied, self._reading))
-            state = plant_step(state, applied, gap_at(profile, (sample + 1) / rate), step)
-            self._reading = self._sensor.read(state.structure.q3)
-        self.state = state
-        self.sample += len(rows)
-        return np.array(rows)
+        count = self._sampling.samples_per_control_step
+        positions = np.empty(count)
+        self.state = self._period(self.state, applied, self._next_gaps(), self._step, positions)
+        readings = self._sensor.read_all(positions)
+        rows = np.empty((count, 3))
+        rows[:, 0] = np.arange(self.sample, self.sample + count) / self._sampling.sampling_rate
+        rows[:, 1] = applied
+        rows[0, 2], rows[1:, 2] = self._reading, readings[:-1]
+        self._reading = float(readings[-1])
+        self.sample += count
+        return rows
+
+    def _next_gaps(self) -> FloatArray:
+        """Return the gap at the end of each sample until the next measurement [rad]."""
+        if not self._gaps:
+            # Some periods at a time: with ten numbers a call of numpy is mostly overhead.
+            count = self._sampling.samples_per_control_step
+            periods = max(GAPS_AT_A_TIME // count, 1)
+            ends = np.arange(self.sample + 1, self.sample + periods * count + 1)
+            gaps = gaps_at(self._profile, ends / self._sampling.sampling_rate)
+            self._gaps = list(reversed(gaps.reshape(periods, count)))
+        return self._gaps.pop()

@@ -31,9 +31,13 @@ from bdt_msgs_py.topics import (
     TRUTH_COLUMNS,
 )
 from bdt_msgs_py.writing import platform_position, sample_message, stamp_from_nanoseconds
+from bdt_plant.compiled_period import compiled_hold_period
 from bdt_plant.lockstep import Followers
 from bdt_plant.parameters import PARAMETERS
-from bdt_plant.plant import PlantModel, PlantSimulator
+from bdt_plant.plant import PlantModel, PlantSimulator, hold_period
+
+LONG_RUN = 10.0
+"""Simulated time [s] from which loading the compiled plant takes less time than it saves."""
 
 
 class PlantNode(Node):
@@ -62,9 +66,17 @@ class PlantNode(Node):
         )
         model = PlantModel(*constants)
         self.finished: Future[None] = Future()
-        self._simulator = PlantSimulator(model, profile, self._sampling, sensor, actuator)
-        self._followers = Followers(self._settings.lockstep_followers)
         duration = self._settings.duration
+        is_long = not duration or duration >= LONG_RUN
+        self._simulator = PlantSimulator(
+            model,
+            profile,
+            self._sampling,
+            sensor,
+            actuator,
+            compiled_hold_period() if is_long else hold_period,
+        )
+        self._followers = Followers(self._settings.lockstep_followers)
         samples = max(round(duration * self._sampling.sampling_rate), 1)
         self._end = samples if duration else math.inf
         self._telemetry: list[np.ndarray] = []

@@ -199,3 +199,15 @@ class Sensor:
         self._reading = sensor_reading(before, noise, self._reading, self._parameters.quantization)
         self._sample += 1
         return self._reading
+
+    def read_all(self, positions: FloatArray) -> FloatArray:
+        """Return the readings of the next samples [m], as :meth:`read` would one by one.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n,)
+            True positions at those samples [m].
+        """
+        if self._is_ideal:
+            return positions
+        return np.array([self.read(position) for position in positions.tolist()])

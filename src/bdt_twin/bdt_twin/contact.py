@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_twin.compilation import GIVEN, compile_loop
+from bdt_plant.compilation import GIVEN, compile_loop
 
 FloatArray = NDArray[np.float64]
 

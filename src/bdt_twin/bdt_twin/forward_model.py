@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_plant.compilation import compile_with_steps
 from bdt_plant.motor import MotorState
 from bdt_plant.plant import AT_REST, PlantModel, PlantState, PlantStep, discretize_plant, plant_step
 from bdt_plant.structure import (
@@ -19,7 +20,6 @@ from bdt_plant.structure import (
     StructureStep,
     structure_step,
 )
-from bdt_twin.compilation import compile_with_steps
 
 FloatArray = NDArray[np.float64]
 

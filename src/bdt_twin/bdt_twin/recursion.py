@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_twin.compilation import GIVEN, WRITTEN, compile_loop
+from bdt_plant.compilation import GIVEN, WRITTEN, compile_loop
 
 FloatArray = NDArray[np.float64]
 Coefficients = tuple[tuple[float, ...], tuple[float, ...]]

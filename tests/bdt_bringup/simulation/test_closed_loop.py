@@ -31,11 +31,11 @@ from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import Reference, reference_at
 from bdt_plant.actuator import ActuatorParameters
+from bdt_plant.compilation import compile_loop, source_files, source_hash
 from bdt_plant.gap_profile import GapProfile, gap_at
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
 from bdt_plant.sensor import SensorParameters
-from bdt_twin.compilation import compile_loop, source_files, source_hash
 
 REFERENCE = Reference(step_time=2.0)
 GROWING = GapProfile(growth_time=8.0)

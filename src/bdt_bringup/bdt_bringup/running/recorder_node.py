@@ -71,6 +71,7 @@ class RecorderNode(Node):
         self._telemetry_end = 0
         self._newest_batch = 0, 0
         self._last_measurement: bytes | None = None
+        self._loop_is_here = False
         self._recording = True
         self._progress_publisher = self.create_publisher(
             TimeReference, PROGRESS.name, qos_profile(PROGRESS)
@@ -81,7 +82,7 @@ class RecorderNode(Node):
         if self._awaited:
             self.create_timer(LOOK_PERIOD, self._look_for_publishers, clock=steady)
         self._diagnostics = DiagnosticsPublisher(self, self._health)
-        self.create_timer(PROGRESS_PERIOD, self._tell_progress, clock=steady)
+        self.create_timer(PROGRESS_PERIOD, self._look_for_loop, clock=steady)
 
     @property
     def summary(self) -> str:
@@ -171,14 +172,19 @@ class RecorderNode(Node):
             self._newest_batch = begin, end
         self._tell_progress()
 
+    def _look_for_loop(self) -> None:
+        """Tell the progress as long as there is a loop whose messages come here."""
+        sources = (MEASUREMENT, COMMAND, TELEMETRY)
+        self._loop_is_here = all(self.count_publishers(topic.name) for topic in sources)
+        self._tell_progress()
+
     def _tell_progress(self) -> None:
         begin, end = self._newest_batch
         # Every topic has a queue of its own. Telemetry, which is rare, may be at its end when the
         # measurements of that time still wait in theirs.
         if self._measured_until() >= begin:
             self._telemetry_end = end
-        sources = (MEASUREMENT, COMMAND, TELEMETRY)
-        if all(self.count_publishers(topic.name) for topic in sources):
+        if self._loop_is_here:
             self._progress_publisher.publish(progress(self.get_name(), self._telemetry_end, None))
 
     def _measured_until(self) -> float:

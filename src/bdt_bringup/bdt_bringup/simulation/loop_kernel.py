@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from bdt_controller.pid import INITIAL_PID, PidGains, PidState, PidStep, discretize_pid
 from bdt_controller.voltage_limit import limited_pid_step
 from bdt_plant.actuator import saturated
+from bdt_plant.compilation import compile_with_steps
 from bdt_plant.lead_screw import contact_side
 from bdt_plant.plant import (
     AT_REST,
@@ -30,7 +31,6 @@ from bdt_plant.plant import (
     plant_step,
 )
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, delay_line, delayed, sensor_reading
-from bdt_twin.compilation import compile_with_steps
 
 FloatArray = NDArray[np.float64]
 

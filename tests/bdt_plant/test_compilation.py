@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bdt_twin import compilation
-from bdt_twin.compilation import GIVEN, WRITTEN, compile_loop
+from bdt_plant import compilation
+from bdt_plant.compilation import GIVEN, WRITTEN, compile_loop
 
 
 def double(given, written):
