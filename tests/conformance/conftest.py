@@ -1,5 +1,6 @@
 """What the conformance tests need of a world with rclpy: a domain of their own, on loopback."""
 
+import gc
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -82,6 +83,17 @@ class Ros:
         from rclpy.task import Future
 
         self.executor.spin_until_future_complete(Future(), timeout_sec=duration)
+
+    @staticmethod
+    def processor_share(wait: Callable[[], Any]) -> float:
+        """Share of the wall time for which `wait` keeps this thread busy: near 1 if it polls.
+
+        Neither other threads nor a garbage collection of all that the tests left are counted.
+        """
+        gc.collect()
+        wall, processor = time.monotonic(), time.thread_time()
+        wait()
+        return (time.thread_time() - processor) / (time.monotonic() - wall)
 
     def result(self, future: Any, deadline: float = DEADLINE) -> Any:
         """Spin until `future` is done and return its result."""

@@ -6,19 +6,8 @@ that rmw_cyclonedds and rmw_fastrtps write and read.
 """
 
 import threading
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
-from cyclonedds._clayer import ddspy_read_endpoint, ddspy_read_participant
-from cyclonedds.builtin import (
-    BuiltinDataReader,
-    BuiltinTopicDcpsParticipant,
-    BuiltinTopicDcpsPublication,
-    BuiltinTopicDcpsSubscription,
-)
-from cyclonedds.builtin_types import cqos_to_qos
-from cyclonedds.core import Qos
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.pub import Publisher
 from cyclonedds.sub import Subscriber
@@ -27,36 +16,19 @@ from embedded_ros import cyclone
 from embedded_ros.cdr import ENCAPSULATION, CdrError, codec
 from embedded_ros.dds_qos import to_dds
 from embedded_ros.definitions import type_hash
-from embedded_ros.endpoints import Reader, Writer, ros_type_of
+from embedded_ros.discovery import Discovery, Endpoint
+from embedded_ros.endpoints import Reader, Writer
 from embedded_ros.message_classes import message_class
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 
-__all__ = ["Endpoint", "Graph", "NodeEntities", "ros_name", "service_name"]
+__all__ = ["Graph", "NodeEntities", "ros_name", "service_name"]
 
 _INFO = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 _TOPIC = "ros_discovery_info"
-_ALIVE = 16
-_MANY = 100_000
 
 #: Node names of endpoints that no node claims, as rmw gives them.
 UNKNOWN_NODE = ("_NODE_NAME_UNKNOWN_", "_NODE_NAMESPACE_UNKNOWN_")
 BARE_DDS_NODE = ("_CREATED_BY_BARE_DDS_APP_", "_CREATED_BY_BARE_DDS_APP_")
-
-
-@dataclass(frozen=True)
-class Endpoint:
-    """A discovered DDS writer or reader."""
-
-    guid: bytes
-    participant: bytes
-    topic: str
-    dds_type: str
-    qos: Qos | None
-
-    @property
-    def type_name(self) -> str:
-        """ROS type, ``std_msgs/msg/Float64``."""
-        return ros_type_of(self.dds_type)
 
 
 @dataclass(frozen=True)
@@ -88,7 +60,7 @@ class Graph:
     def __init__(
         self, participant: DomainParticipant, publisher: Publisher, subscriber: Subscriber
     ) -> None:
-        self._participant = participant
+        self._discovery = Discovery(participant)
         self._guid = cyclone.guid(participant._ref)
         # Reentrant: a garbage collection under the lock may drop a node, which then leaves.
         self._lock = threading.RLock()
@@ -176,7 +148,7 @@ class Graph:
 
     def nodes(self) -> list[NodeEntities]:
         """Nodes of all participants that are alive, own ones first."""
-        alive = self._participants()
+        alive = self._discovery.participants()
         with self._lock:
             self._take_news()
             self._others.pop(self._guid, None)
@@ -200,34 +172,13 @@ class Graph:
             is_ros = endpoint.participant in self._others or endpoint.participant == self._guid
         return UNKNOWN_NODE if is_ros else BARE_DDS_NODE
 
-    def _participants(self) -> set[bytes]:
-        reader = BuiltinDataReader(self._participant, BuiltinTopicDcpsParticipant)
-        try:
-            samples = ddspy_read_participant(reader._ref, _MANY, _participant, _no_qos)
-        finally:
-            cyclone.delete(reader._ref)
-        return {key for key, info in samples if info.instance_state == _ALIVE}
-
     def writers(self, *, with_qos: bool = False) -> list[Endpoint]:
         """All writers in the domain."""
-        return list(self._endpoints(BuiltinTopicDcpsPublication, with_qos))
+        return self._discovery.writers(with_qos=with_qos)
 
     def readers(self, *, with_qos: bool = False) -> list[Endpoint]:
         """All readers in the domain."""
-        return list(self._endpoints(BuiltinTopicDcpsSubscription, with_qos))
-
-    def _endpoints(self, topic: Any, with_qos: bool) -> Iterator[Endpoint]:
-        # A new reader gets the present state at once, and nothing of what is gone.
-        reader = BuiltinDataReader(self._participant, topic)
-        try:
-            samples = ddspy_read_endpoint(
-                reader._ref, _MANY, _endpoint, cqos_to_qos if with_qos else _no_qos
-            )
-        finally:
-            cyclone.delete(reader._ref)
-        for info, endpoint in samples:
-            if info.instance_state == _ALIVE:
-                yield endpoint
+        return self._discovery.readers(with_qos=with_qos)
 
     def leave(self) -> None:
         """Tell the others that the nodes are gone; their endpoints live on."""
@@ -239,24 +190,3 @@ class Graph:
         """Delete the endpoints of the graph itself."""
         self._writer.close()
         self._reader.close()
-
-
-def _no_qos(_pointer: int) -> None:
-    """Spare the conversion of QoS that nobody looks at."""
-
-
-def _participant(key: bytes, _qos: None, info: Any) -> tuple[bytes, Any]:
-    return key, info
-
-
-def _endpoint(
-    key: bytes,
-    participant: bytes,
-    _handle: int,
-    topic: str,
-    type_name: str,
-    qos: Qos | None,
-    info: Any,
-    _type_id: bytes | None,
-) -> tuple[Any, Endpoint]:
-    return info, Endpoint(bytes(key), bytes(participant), topic, type_name, qos)

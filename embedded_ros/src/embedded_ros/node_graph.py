@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from embedded_ros.dds_qos import profile_of
+from embedded_ros.discovery import Endpoint
 from embedded_ros.errors import NodeNameNonExistentError
-from embedded_ros.graph import Endpoint, NodeEntities, ros_name, service_name
+from embedded_ros.graph import NodeEntities, ros_name, service_name
 from embedded_ros.names import expand, full_topic_name_error, join
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum

@@ -86,8 +86,11 @@ class Readiness:
             left = until
         return max(left, 0)
 
-    def _note_ready(self, fired: list[int]) -> None:
-        ready: list[Entity] = [timer for timer in self._timers if timer._nanoseconds_left() == 0]
+    def _note_ready(self, fired: list[int], *, timers_too: bool) -> None:
+        ready: list[Entity] = []
+        # A timer that came due while something else ended the wait makes the next one short.
+        if timers_too:
+            ready += [timer for timer in self._timers if timer._nanoseconds_left() == 0]
         ready += [self._attached[ref] for ref in fired if ref in self._attached]
         if len(ready) > 1:
             ready.sort(key=lambda entity: _ORDER[type(entity)])

@@ -212,7 +212,8 @@ class Executor(CallbackRunning):
             if self._entities_changed:
                 self._update_wait_set()
             left = cyclone.INFINITE if deadline is None else deadline - time.monotonic_ns()
-            fired = self._wait_set.wait(self._shortened(left))
+            wait = self._shortened(left)
+            fired = self._wait_set.wait(wait)
             if self._guard.ref in fired:
                 # Before the looks at what it may have been set for: the next wait would miss it.
                 self._guard.clear()
@@ -220,7 +221,7 @@ class Executor(CallbackRunning):
                 return None
             if not self._context.ok():
                 raise ExternalShutdownException
-            self._note_ready(fired)
+            self._note_ready(fired, timers_too=wait == 0 or not fired)
             if self._yielded:
                 self._tasks.extend(self._yielded)
                 self._yielded.clear()

@@ -26,7 +26,7 @@ class PlantSettings:
         0.1, "s", "simulated time covered by one telemetry batch", minimum=1e-4, maximum=1e3
     )
     clock_rate: float = quantity(
-        100.0, "Hz", "rate of /clock in simulated time", minimum=0.1, maximum=1e5
+        50.0, "Hz", "rate of /clock in simulated time", minimum=0.1, maximum=1e5
     )
     command_timeout: float = quantity(
         0.1,
