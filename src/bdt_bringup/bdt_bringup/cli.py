@@ -10,9 +10,10 @@ from typing import Any
 from rich.console import Console
 
 from bdt_bringup.analysis.estimator_options import add_estimator_options
+from bdt_bringup.analysis.topic_options import add_topic_options, topic_selection
 from bdt_bringup.bag_writing.metadata_file import is_unfinished
 from bdt_bringup.bags.bag_error import BagError
-from bdt_bringup.bags.topic_selection import TopicSelection, topic_remapping
+from bdt_bringup.bags.topic_selection import TopicSelection
 from bdt_bringup.benchmarks.bench_table import bench_table
 from bdt_bringup.evaluation.options import add_evaluate_command
 from bdt_bringup.recovery.command import add_recover_command
@@ -88,7 +89,7 @@ def _analyze(options: argparse.Namespace) -> int:
     from bdt_bringup.analysis.export import checked_formats  # noqa: PLC0415
 
     beside = options.bag.parent / f"{options.bag.name}_report"
-    selection = TopicSelection(options.namespace, dict(map(topic_remapping, options.topic)))
+    selection = topic_selection(options)
     formats = checked_formats(options.export) if options.export is not None else ()
     settings = given_settings(options.estimator, options.set)
     output = options.output or beside
@@ -99,7 +100,7 @@ def _analyze(options: argparse.Namespace) -> int:
 def _compare(options: argparse.Namespace) -> int:
     from bdt_bringup.analysis.compare_command import run_comparison  # noqa: PLC0415
 
-    run_comparison(options.bags, options.output, as_json=options.json)
+    run_comparison(options.bags, options.output, topic_selection(options), as_json=options.json)
     return 0
 
 
@@ -207,16 +208,7 @@ def _parser() -> argparse.ArgumentParser:
     analyze_command.add_argument(
         "--output", type=Path, metavar="DIR", help="folder for the report (default: BAG_report)"
     )
-    analyze_command.add_argument(
-        "--namespace", metavar="NAME", help="namespace of the loop, for a bag that holds several"
-    )
-    analyze_command.add_argument(
-        "--topic",
-        action="append",
-        default=[],
-        metavar="TOPIC=NAME",
-        help="a topic that was remapped: telemetry=/my/telemetry (repeatable)",
-    )
+    add_topic_options(analyze_command)
     analyze_command.add_argument(
         "--export",
         metavar="FORMATS",
@@ -238,6 +230,7 @@ def _parser() -> argparse.ArgumentParser:
         default=Path("comparison.html"),
         help="page (default: comparison.html)",
     )
+    add_topic_options(compare)
     compare.add_argument("--json", action="store_true", help="print the numbers of all runs")
     compare.set_defaults(command=_compare)
     add_record_command(commands)

@@ -13,6 +13,7 @@ from bdt_bringup.analysis.report_tables import STEP_COLUMNS, step_cells
 from bdt_bringup.analysis.run_names import run_names
 from bdt_bringup.analysis.summary import Summary, summarize
 from bdt_bringup.bags.recording import Recording, load_recording
+from bdt_bringup.bags.topic_selection import TopicSelection
 from bdt_bringup.drawing.curves import Panel, Series
 from bdt_bringup.pages.table import Column, Row, Table, number
 
@@ -56,8 +57,15 @@ class ComparedRun:
     summary: Summary
 
 
-def load_runs(bags: Sequence[Path]) -> list[ComparedRun]:
+def load_runs(bags: Sequence[Path], selection: TopicSelection | None = None) -> list[ComparedRun]:
     """Load and analyze bags.
+
+    Parameters
+    ----------
+    bags : sequence of Path
+        The bags.
+    selection : TopicSelection, optional
+        Which loop and which topics are meant, in every bag.
 
     Raises
     ------
@@ -66,7 +74,7 @@ def load_runs(bags: Sequence[Path]) -> list[ComparedRun]:
     """
     runs = []
     for name, bag in zip(run_names(bags), bags, strict=True):
-        recording = load_recording(bag)
+        recording = load_recording(bag, selection)
         steps = find_steps(recording.reference, recording.telemetry, recording.sample_time)
         runs.append(ComparedRun(name, recording, steps, summarize(recording, steps)))
     return runs
