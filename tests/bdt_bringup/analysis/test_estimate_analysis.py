@@ -5,7 +5,6 @@ import pytest
 
 from bdt_bringup.analysis.estimate_analysis import (
     estimate_errors,
-    interval_coverage,
     summarize_estimate,
 )
 from bdt_bringup.run_signals import RunSignals
@@ -54,15 +53,3 @@ def test_nothing_is_known_without_truth_or_estimates():
 def test_lag_is_known_without_truth():
     found = summarize_estimate(run(None, [[1.0, 0.3]], [[0.0, 0.0], [2.1, PITCH * 0.3]]))
     assert found.worst_lag_s == pytest.approx(1.1)
-
-
-def test_a_normal_error_is_covered_in_95_of_100_cases():
-    errors = 0.3 * np.random.default_rng(1).standard_normal(100_000)
-    assert interval_coverage(errors, np.full(errors.shape, 0.3)) == pytest.approx(95.0, abs=0.3)
-
-
-def test_what_is_not_stated_or_not_known_is_not_counted():
-    nan, inf = np.nan, np.inf
-    errors = np.array([0.0, 1.0, nan, 1.0, 1.0])
-    assert interval_coverage(errors, np.array([1.0, 0.1, 1.0, nan, inf])) == 50.0
-    assert interval_coverage(errors[2:], np.array([1.0, nan, nan])) is None

@@ -10,9 +10,6 @@ from bdt_bringup.run_signals import RunSignals
 
 FloatArray = NDArray[np.float64]
 
-COVERAGE_FACTOR = 1.96
-"""Standard uncertainties on either side of an interval that covers 95 %."""
-
 
 @dataclass(frozen=True)
 class EstimateSummary:
@@ -56,24 +53,6 @@ def estimate_errors(truth: FloatArray, estimates: FloatArray) -> FloatArray:
     known = in_force >= 0
     error = estimates[in_force[known], 1] - truth[known, 3]
     return np.stack([truth[known, 0], error], axis=1)
-
-
-def interval_coverage(errors: FloatArray, uncertainties: FloatArray) -> float | None:
-    """Return the share of the stated 95 % intervals that hold the truth [%].
-
-    Parameters
-    ----------
-    errors, uncertainties : ndarray, shape (n,)
-        Errors and their stated standard uncertainties, in the same unit; NaN where unknown.
-
-    Returns
-    -------
-    float or None
-        None where nothing is stated.
-    """
-    stated = np.isfinite(errors) & np.isfinite(uncertainties)
-    covered = np.abs(errors[stated]) <= COVERAGE_FACTOR * uncertainties[stated]
-    return 100.0 * float(covered.mean()) if covered.size else None
 
 
 def summarize_estimate(run: RunSignals) -> EstimateSummary:
