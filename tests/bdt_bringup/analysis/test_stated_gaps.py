@@ -33,6 +33,14 @@ def test_live_uncertainties_belong_to_their_estimates(small_loop, tmp_path):
     np.testing.assert_array_equal(live.uncertainty, [0.02, 0.03, np.nan])
 
 
+def test_an_uncertainty_without_a_gap_belongs_to_no_estimate(small_loop, tmp_path):
+    messages = small_loop.without(BACKLASH_ESTIMATE)
+    for time, gap in ((0.5, np.nan), (1.0, 0.3), (1.5, np.nan)):
+        messages.estimate(time, gap, 0.02 * time)
+    live = live_gaps(load_recording(messages.write(tmp_path / "bag")))
+    assert (live.gap.tolist(), live.uncertainty.tolist()) == ([0.3], [0.02])
+
+
 def test_a_normal_error_is_covered_in_95_of_100_cases():
     errors = 0.3 * np.random.default_rng(1).standard_normal(100_000)
     assert interval_coverage(errors, np.full(errors.shape, 0.3)) == pytest.approx(95.0, abs=0.3)

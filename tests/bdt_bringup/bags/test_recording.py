@@ -121,6 +121,16 @@ def test_requests_of_those_estimates_that_tell_one_in_the_order_of_their_data(si
     )
 
 
+def test_a_gap_is_held_from_the_newest_sample_behind_it(signal, tmp_path):
+    """Whether a dead zone is asked for with it or not; without an age the stamp is that sample."""
+    signal.estimate(1.0, 0.1)
+    signal.estimate(2.0, 0.2, 0.01, age=0.5, tolerance=4e-5)
+    signal.estimate(1.9, 0.3, 0.01, age=1.6)
+    signal.estimate(3.0, 0.4, age=np.nan)
+    held = load_recording(signal.write(tmp_path / "bag")).held_gaps
+    assert held == pytest.approx(np.array([[1.0, 0.1], [2.5, 0.2], [3.5, 0.3]]))
+
+
 def test_requests_that_are_not_finite_are_left_out(signal, tmp_path):
     signal.estimate(1.0, 0.1, age=0.0, tolerance=np.nan)
     signal.estimate(2.0, 0.2, age=np.inf, tolerance=4e-5)

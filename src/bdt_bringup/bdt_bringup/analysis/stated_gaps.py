@@ -92,8 +92,9 @@ def live_gaps(run: RunSignals) -> StatedGaps:
     for stamp, uncertainty in run.uncertainties:
         # Estimates of the same time are told apart by their order.
         following = max(following, int(np.searchsorted(rows[:, 0], stamp)))
-        rows[following, 2] = uncertainty
-        following += 1
+        if following < len(rows) and rows[following, 0] == stamp:
+            rows[following, 2] = uncertainty
+            following += 1
     return stated_gaps(rows, run.truth)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.bag_reader import RawBag, decode, read_bag
-from bdt_bringup.bags.joint_positions import dead_zone_requests, joint_positions
+from bdt_bringup.bags.joint_positions import dead_zone_requests, held_gaps, joint_positions
 from bdt_bringup.bags.parameter_log import (
     diagnosed_dead_zones,
     parameter_changes,
@@ -184,6 +184,7 @@ def load_recording(path: Path, selection: TopicSelection | None = None) -> Recor
             bag, BACKLASH_ESTIMATE, GAP_UNCERTAINTY_JOINT, clock.times, optional=True
         ),
         requests=dead_zone_requests(bag, clock.times),
+        held_gaps=held_gaps(bag, clock.times),
         dead_zones=dead_zones,
         reconfigurations=reconfigurations,
         pitch=recorded_pitch(events, namespace) or LeadScrewParameters().pitch,
