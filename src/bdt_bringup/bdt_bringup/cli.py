@@ -88,12 +88,13 @@ def _analyze(options: argparse.Namespace) -> int:
     from bdt_bringup.analysis.estimator_setup import given_settings  # noqa: PLC0415
     from bdt_bringup.analysis.export import checked_formats  # noqa: PLC0415
 
-    beside = options.bag.parent / f"{options.bag.name}_report"
+    run = "" if options.run is None else f"_run_{options.run}"
+    beside = options.bag.parent / f"{options.bag.name}{run}_report"
     selection = topic_selection(options)
     formats = checked_formats(options.export) if options.export is not None else ()
     settings = given_settings(options.estimator, options.set)
     output = options.output or beside
-    _report(options.bag, output, selection, formats, settings, as_json=options.json)
+    _report(options.bag, output, selection, formats, settings, options.run, as_json=options.json)
     return 0
 
 
@@ -140,6 +141,7 @@ def _report(
     selection: TopicSelection | None = None,
     formats: Sequence[str] = (),
     settings: Mapping[str, Any] | None = None,
+    run: int | None = None,
     *,
     as_json: bool,
 ) -> None:
@@ -148,7 +150,7 @@ def _report(
     from bdt_bringup.analysis.report import verdict  # noqa: PLC0415
     from bdt_bringup.analysis.step_table import step_table  # noqa: PLC0415
 
-    summary = analyze(bag, output, selection, formats, settings)
+    summary = analyze(bag, output, selection, formats, settings, run)
     if as_json:
         print(json.dumps(summary.to_dictionary(), indent=2))
         return
@@ -206,9 +208,18 @@ def _parser() -> argparse.ArgumentParser:
     )
     analyze_command.add_argument("bag", type=Path, metavar="BAG", help="rosbag2 folder or file")
     analyze_command.add_argument(
-        "--output", type=Path, metavar="DIR", help="folder for the report (default: BAG_report)"
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder for the report (default: BAG_report, or BAG_run_N_report)",
     )
     add_topic_options(analyze_command)
+    analyze_command.add_argument(
+        "--run",
+        type=int,
+        metavar="N",
+        help="which run, from 1, of a bag whose recorder went on while the loop was started again",
+    )
     analyze_command.add_argument(
         "--export",
         metavar="FORMATS",
