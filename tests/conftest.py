@@ -1,6 +1,7 @@
 """What tests with nodes need: a ROS domain of their own, on loopback, and nodes that end."""
 
 import os
+import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -71,6 +72,26 @@ class RosLoop:
         for node in self.nodes:
             node.destroy_node()
         self.context.try_shutdown()
+
+
+@pytest.fixture(scope="session")
+def count_calls() -> Callable[[Callable[[], Any]], int]:
+    """Return a function that counts the calls of Python and C functions within a call.
+
+    It tells work for each message from work for each number, on a busy machine as well.
+    """
+
+    def count(function: Callable[[], Any]) -> int:
+        events: list[str] = []
+        before = sys.getprofile()
+        sys.setprofile(lambda _frame, event, _argument: events.append(event))
+        try:
+            function()
+        finally:
+            sys.setprofile(before)
+        return events.count("call") + events.count("c_call")
+
+    return count
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""What the telemetry stream accepts, what it rejects and what it counts."""
+"""What the telemetry stream accepts, what it rejects and where it begins anew."""
 
 import numpy as np
 import pytest
@@ -19,10 +19,6 @@ def batch(begin, count, epoch=0, rate=RATE):
     return rows
 
 
-def counts(stream):
-    return stream.accepted, stream.rejected, stream.restarts
-
-
 def reject(stream, rows, text):
     with pytest.raises(TelemetryRejectedError, match=text):
         stream.accept(rows)
@@ -40,7 +36,6 @@ def stream():
 def test_the_first_batch_begins_the_stream_at_any_time(begin):
     stream = TelemetryStream(RATE)
     assert stream.accept(batch(begin, 10))
-    assert counts(stream) == (1, 0, 0)
 
 
 @pytest.mark.parametrize("epoch", [0, EPOCH])
@@ -52,7 +47,6 @@ def test_batches_that_follow_each_other_continue_the_stream(epoch, sizes):
         begins.append(stream.accept(batch(begin, size, epoch)))
         begin += size
     assert begins == [True] + [False] * (len(sizes) - 1)
-    assert counts(stream) == (len(sizes), 0, 0)
 
 
 def test_a_fast_stream_forgives_the_resolution_of_epoch_times():
@@ -65,7 +59,6 @@ def test_a_fast_stream_forgives_the_resolution_of_epoch_times():
 
 def test_an_empty_batch_is_rejected(stream):
     reject(stream, np.empty((0, 3)), "the batch is empty")
-    assert counts(stream) == (1, 1, 0)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
@@ -74,7 +67,6 @@ def test_a_value_that_is_not_finite_is_rejected_with_its_row(stream, value, colu
     rows = batch(100, 10)
     rows[7, column] = value
     reject(stream, rows, "row 7 is not finite")
-    assert counts(stream) == (1, 1, 0)
 
 
 @pytest.mark.parametrize("epoch", [0, EPOCH])
@@ -83,7 +75,6 @@ def test_a_hole_inside_a_batch_is_rejected(epoch):
     stream = TelemetryStream(RATE)
     stream.accept(batch(0, 100, epoch))
     reject(stream, rows, rf"time step of 0\.000400 s instead of 0\.000200 s at t = {epoch}\.0212")
-    assert counts(stream) == (1, 1, 0)
 
 
 @pytest.mark.parametrize("epoch", [0, EPOCH])
@@ -92,18 +83,15 @@ def test_a_hole_between_batches_is_rejected(epoch, missing):
     stream = TelemetryStream(RATE)
     stream.accept(batch(0, 100, epoch))
     reject(stream, batch(100 + missing, 10, epoch), r"time step of .* instead of 0\.000200 s at t")
-    assert counts(stream) == (1, 1, 0)
 
 
 def test_a_hole_in_the_first_batch_is_rejected():
     stream = TelemetryStream(RATE)
     reject(stream, np.delete(batch(0, 10), 5, axis=0), r"time step of 0\.000400 s .* t = 0\.001200")
-    assert counts(stream) == (0, 1, 0)
 
 
 def test_the_same_batch_twice_is_rejected(stream):
     reject(stream, batch(0, 100), r"time goes back by 0\.019800 s at t = 0\.000000 s")
-    assert counts(stream) == (1, 1, 0)
 
 
 def test_the_same_sample_twice_is_rejected(stream):
@@ -134,28 +122,25 @@ def test_the_batch_after_a_rejection_begins_a_new_stream(stream):
     reject(stream, batch(200, 10), "time step")
     assert stream.accept(batch(210, 10))
     assert not stream.accept(batch(220, 10))
-    assert counts(stream) == (3, 1, 1)
 
 
 def test_a_rejected_batch_leaves_no_time_behind(stream):
     """After a fault, even the batch that would have continued the stream begins a new one."""
     reject(stream, np.empty((0, 3)), "empty")
     assert stream.accept(batch(100, 10))
-    assert counts(stream) == (2, 1, 1)
 
 
-def test_a_rejection_before_the_first_stream_is_no_restart():
+def test_the_first_stream_may_begin_after_a_rejection():
     stream = TelemetryStream(RATE)
     reject(stream, np.empty((0, 3)), "empty")
     assert stream.accept(batch(0, 10))
-    assert counts(stream) == (1, 1, 0)
 
 
-def test_rejections_in_a_row_are_one_restart(stream):
+def test_after_rejections_in_a_row_one_stream_begins(stream):
     for _ in range(3):
         reject(stream, np.full((2, 3), np.nan), "row 0 is not finite")
     assert stream.accept(batch(500, 10))
-    assert counts(stream) == (2, 3, 1)
+    assert not stream.accept(batch(510, 10))
 
 
 def test_a_rejection_can_be_caught_as_a_value_error(stream):

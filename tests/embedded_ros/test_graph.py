@@ -45,7 +45,7 @@ rclpy.spin(node)
 """
 
 #: After this lease [s], which a participant announces, Cyclone DDS gives it up. By default 10.
-LEASE = 1.0
+LEASE = 3.0
 
 
 @pytest.fixture
@@ -78,7 +78,7 @@ def test_a_peer_that_is_killed_disappears_and_nothing_hangs(ros, peer):
         publisher.publish(Float64())
     pending = client.call_async(Trigger.Request())
     ros.executor.spin_once(timeout_sec=0.01)
-    assert time.monotonic() - start < 1
+    assert time.monotonic() - start < LEASE
     ros.spin_until(lambda: node.get_node_names() == ["n"], LEASE + 10)
     ros.spin_until(lambda: publisher.get_subscription_count() == 0, 5)
     assert not client.service_is_ready()

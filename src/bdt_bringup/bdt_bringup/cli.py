@@ -10,9 +10,10 @@ from typing import Any
 from rich.console import Console
 
 from bdt_bringup.analysis.estimator_options import add_estimator_options
+from bdt_bringup.analysis.topic_options import add_topic_options, topic_selection
 from bdt_bringup.bag_writing.metadata_file import is_unfinished
 from bdt_bringup.bags.bag_error import BagError
-from bdt_bringup.bags.topic_selection import TopicSelection, topic_remapping
+from bdt_bringup.bags.topic_selection import TopicSelection
 from bdt_bringup.benchmarks.bench_table import bench_table
 from bdt_bringup.evaluation.options import add_evaluate_command
 from bdt_bringup.recovery.command import add_recover_command
@@ -87,19 +88,20 @@ def _analyze(options: argparse.Namespace) -> int:
     from bdt_bringup.analysis.estimator_setup import given_settings  # noqa: PLC0415
     from bdt_bringup.analysis.export import checked_formats  # noqa: PLC0415
 
-    beside = options.bag.parent / f"{options.bag.name}_report"
-    selection = TopicSelection(options.namespace, dict(map(topic_remapping, options.topic)))
+    run = "" if options.run is None else f"_run_{options.run}"
+    beside = options.bag.parent / f"{options.bag.name}{run}_report"
+    selection = topic_selection(options)
     formats = checked_formats(options.export) if options.export is not None else ()
     settings = given_settings(options.estimator, options.set)
     output = options.output or beside
-    _report(options.bag, output, selection, formats, settings, as_json=options.json)
+    _report(options.bag, output, selection, formats, settings, options.run, as_json=options.json)
     return 0
 
 
 def _compare(options: argparse.Namespace) -> int:
     from bdt_bringup.analysis.compare_command import run_comparison  # noqa: PLC0415
 
-    run_comparison(options.bags, options.output, as_json=options.json)
+    run_comparison(options.bags, options.output, topic_selection(options), as_json=options.json)
     return 0
 
 
@@ -139,6 +141,7 @@ def _report(
     selection: TopicSelection | None = None,
     formats: Sequence[str] = (),
     settings: Mapping[str, Any] | None = None,
+    run: int | None = None,
     *,
     as_json: bool,
 ) -> None:
@@ -147,7 +150,7 @@ def _report(
     from bdt_bringup.analysis.report import verdict  # noqa: PLC0415
     from bdt_bringup.analysis.step_table import step_table  # noqa: PLC0415
 
-    summary = analyze(bag, output, selection, formats, settings)
+    summary = analyze(bag, output, selection, formats, settings, run)
     if as_json:
         print(json.dumps(summary.to_dictionary(), indent=2))
         return
@@ -205,17 +208,17 @@ def _parser() -> argparse.ArgumentParser:
     )
     analyze_command.add_argument("bag", type=Path, metavar="BAG", help="rosbag2 folder or file")
     analyze_command.add_argument(
-        "--output", type=Path, metavar="DIR", help="folder for the report (default: BAG_report)"
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder for the report (default: BAG_report, or BAG_run_N_report)",
     )
+    add_topic_options(analyze_command)
     analyze_command.add_argument(
-        "--namespace", metavar="NAME", help="namespace of the loop, for a bag that holds several"
-    )
-    analyze_command.add_argument(
-        "--topic",
-        action="append",
-        default=[],
-        metavar="TOPIC=NAME",
-        help="a topic that was remapped: telemetry=/my/telemetry (repeatable)",
+        "--run",
+        type=int,
+        metavar="N",
+        help="which run, from 1, of a bag whose recorder went on while the loop was started again",
     )
     analyze_command.add_argument(
         "--export",
@@ -238,6 +241,7 @@ def _parser() -> argparse.ArgumentParser:
         default=Path("comparison.html"),
         help="page (default: comparison.html)",
     )
+    add_topic_options(compare)
     compare.add_argument("--json", action="store_true", help="print the numbers of all runs")
     compare.set_defaults(command=_compare)
     add_record_command(commands)

@@ -37,6 +37,10 @@ class RunSignals:
         Rows of (newest sample behind an estimate [s], dead-zone tolerance that the twin asks for
         because of it [m], time for which the estimate is stated [s], gap [rad]) in the order of
         the newest sample; empty when the twin tells none.
+    held_gaps : ndarray, shape (k, 2)
+        Rows of (newest sample behind an estimate [s], gap [rad]) in the order of the newest
+        sample: the twin holds this gap from then on until the next row; empty when every gap is
+        stated for its newest sample.
     """
 
     time_origin: float = 0.0
@@ -48,6 +52,7 @@ class RunSignals:
     pitch: float
     uncertainties: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     requests: FloatArray = field(default_factory=lambda: np.empty((0, 4)))
+    held_gaps: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
 
     @property
     def sample_time(self) -> float:

@@ -13,7 +13,7 @@ class TelemetryStream:
     """Checks that batches continue each other without holes.
 
     A batch that is rejected ends the stream. The next one begins a new stream, so whoever uses
-    the data must start anew: :attr:`restarts` counts these beginnings.
+    the data must start anew.
 
     Parameters
     ----------
@@ -24,9 +24,6 @@ class TelemetryStream:
     def __init__(self, sampling_rate: float) -> None:
         self._sample_time = 1.0 / sampling_rate
         self._last_time: float | None = None
-        self.accepted = 0
-        self.rejected = 0
-        self.restarts = 0
 
     def accept(self, rows: NDArray[np.float64]) -> bool:
         """Take the next batch.
@@ -48,12 +45,9 @@ class TelemetryStream:
         """
         reason = self._fault(rows)
         if reason:
-            self.rejected += 1
             self._last_time = None
             raise TelemetryRejectedError(reason)
         begins = self._last_time is None
-        self.restarts += begins and self.accepted > 0
-        self.accepted += 1
         self._last_time = float(rows[-1, 0])
         return begins
 

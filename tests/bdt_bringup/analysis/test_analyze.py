@@ -58,7 +58,14 @@ def test_summary_file_has_the_agreed_fields(analyzed):
         "re_estimation",
     }
     assert written["re_estimation"] is None, "nobody asked"
-    assert set(written["estimate"]) == {"rms_error_rad", "max_error_rad", "worst_lag_s"}
+    assert set(written["estimate"]) == {
+        "rms_error_rad",
+        "max_error_rad",
+        "worst_lag_s",
+        "stated_rms_error_rad",
+        "stated_max_error_rad",
+        "max_shortfall_rad",
+    }
     assert all(set(step) == STEP_KEYS for step in written["steps"])
 
 
@@ -71,9 +78,28 @@ def test_dead_zone_that_follows_the_gap(analyzed):
     assert summary.estimate.worst_lag_s == pytest.approx(0.52, abs=3e-3)
     assert summary.estimate.rms_error_rad < np.deg2rad(4)
     assert summary.estimate.max_error_rad >= summary.estimate.rms_error_rad
+    assert summary.estimate.stated_max_error_rad <= summary.estimate.max_error_rad
     assert summary.dead_zone_final_m == pytest.approx(7e-5, rel=0.25)
     assert summary.lost_messages == 0
     assert verdict(summary).good
+
+
+def test_the_verdict_tells_the_error_where_stated_apart_from_the_shortfall(analyzed):
+    summary, output = analyzed
+    degrees = {
+        "stated_max_error_rad": 0.03,
+        "stated_rms_error_rad": 0.0072,
+        "max_shortfall_rad": 4.03,
+        "max_error_rad": 3.99,
+    }
+    estimate = replace(summary.estimate, **{key: np.deg2rad(x) for key, x in degrees.items()})
+    assert (
+        "; gap estimates off by 0.030° at worst, 0.007° rms, at the times for which they are "
+        "stated; until the next one came up to 4.03° short of the gap."
+    ) in verdict(replace(summary, estimate=estimate)).details
+    report = (output / "report.html").read_text(encoding="utf-8")
+    assert "gap error where stated, largest" in report
+    assert "shortfall until the next estimate, largest" in report
 
 
 def test_linear_loop_has_limit_cycles(linear_bag):

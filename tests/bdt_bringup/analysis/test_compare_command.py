@@ -14,6 +14,7 @@ from bdt_bringup.analysis.comparison import (
 )
 from bdt_bringup.analysis.plot_series import MOST_POINTS
 from bdt_bringup.cli import run_command
+from bdt_msgs_py.topics import REFERENCE
 
 
 @pytest.fixture(scope="module")
@@ -97,3 +98,20 @@ def test_no_page_in_a_bag_and_none_in_place_of_a_folder(bags, tmp_path, capsys):
     for output in (bags[0] / "page.html", tmp_path):
         assert run_command(["compare", *map(str, bags), "--output", str(output)]) == 2
         assert f"--output {output}" in capsys.readouterr().err
+
+
+def test_one_loop_of_bags_that_hold_several_is_chosen_as_for_analyze(small_loop, tmp_path, capsys):
+    both = small_loop.without()
+    both.items.extend((f"/a{name}", *rest) for name, *rest in small_loop.without(REFERENCE).items)
+    bags = [str(both.write(tmp_path / name)) for name in ("first", "second")]
+    arguments = ["compare", *bags, "--output", str(tmp_path / "page.html"), "--json"]
+    assert run_command(arguments) == 2
+    assert "choose one with --namespace NAME" in capsys.readouterr().err
+    for choice, steps in ((["--namespace", "/"], 2), (["--namespace", "a"], 0)):
+        assert run_command([*arguments, *choice]) == 0
+        printed = json.loads(capsys.readouterr().out)
+        assert [len(run["steps"]) for run in printed["runs"]] == [steps, steps]
+    elsewhere = ["--namespace", "a", "--topic", "reference=/reference"]
+    assert run_command([*arguments, *elsewhere]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert [len(run["steps"]) for run in printed["runs"]] == [2, 2]

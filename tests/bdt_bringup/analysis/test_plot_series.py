@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from bdt_bringup.analysis.plot_series import panels, run_series
-from bdt_bringup.analysis.re_estimation import ReEstimation, StatedGaps
+from bdt_bringup.analysis.re_estimation import ReEstimation
 from bdt_bringup.analysis.reference_steps import find_steps
+from bdt_bringup.analysis.stated_gaps import StatedGaps
 from bdt_bringup.run_signals import RunSignals
 
 PITCH = 1e-3 / (2 * np.pi)

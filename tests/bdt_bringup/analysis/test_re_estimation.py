@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bdt_bringup.analysis.estimator_setup import estimator_setup
-from bdt_bringup.analysis.re_estimation import re_estimate, stated_gaps, telemetry_batches
+from bdt_bringup.analysis.re_estimation import re_estimate, telemetry_batches
 from bdt_bringup.bags.recording import load_recording
 from bdt_msgs_py.topics import BACKLASH_ESTIMATE, TELEMETRY, TRUTH
 
@@ -125,31 +125,6 @@ def test_numbers_of_known_statements(small, scripted):
 def test_an_estimate_that_is_repeated_counts_once(small, scripted):
     summary = again(small, estimator__kind=scripted.replace("Scripted", "Repeating")).summary
     assert (summary.estimates, summary.kept) == (2, 16)
-
-
-def test_the_twin_s_repetitions_count_once_as_well():
-    rows = np.array([[1.0, 0.1, 0.01], [1.0, 0.1, 0.02], [1.0, 0.2, 0.02], [3.0, 0.2, 0.02]])
-    found = stated_gaps(rows, None)
-    assert found.gap.tolist() == [0.1, 0.2, 0.2]
-    assert found.uncertainty.tolist() == [0.01, 0.02, 0.02]
-    assert np.isnan(found.error).all()
-
-
-def test_outside_the_truth_there_is_no_error():
-    truth = np.zeros((2, 7))
-    truth[:, 0] = [1.0, 2.0]
-    rows = np.array([[0.5, 0.1, 0.1], [1.5, 0.3, 0.1], [2.5, 0.1, 0.1]])
-    np.testing.assert_array_equal(stated_gaps(rows, truth).error, [np.nan, 0.3, np.nan])
-
-
-def test_live_uncertainties_belong_to_their_estimates(small_loop, tmp_path):
-    messages = small_loop.without(BACKLASH_ESTIMATE)
-    for time, gap, uncertainty in ((0.5, 0.1, 0.02), (0.5, 0.2, 0.03), (1.0, 0.3, None)):
-        messages.estimate(time, gap, uncertainty)
-    recording = load_recording(messages.write(tmp_path / "bag"))
-    live = again(recording, estimator__kind="inverse_filter").live
-    assert live.gap.tolist() == [0.1, 0.2, 0.3]
-    np.testing.assert_array_equal(live.uncertainty, [0.02, 0.03, np.nan])
 
 
 def test_batches_are_as_long_as_the_recorded_ones(small):

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from bdt_bringup.analysis.re_estimation import ReEstimationSummary, StatedGapsSummary
+from bdt_bringup.analysis.re_estimation import ReEstimationSummary
 from bdt_bringup.analysis.re_estimation_report import (
     re_estimation_lines,
     re_estimation_table,
 )
+from bdt_bringup.analysis.stated_gaps import StatedGapsSummary
 
 
 @pytest.fixture

@@ -8,26 +8,11 @@ from bdt_bringup.analysis.reconfigurations import (
     summarize_reconfigurations,
 )
 from bdt_bringup.bags.recording import load_recording
-from bdt_bringup.run_signals import RunSignals
-
-PITCH = 2e-4
 
 
-def run(estimates, dead_zones, requests=()) -> RunSignals:
-    return RunSignals(
-        telemetry=np.zeros((2, 3)),
-        truth=None,
-        reference=np.empty((0, 2)),
-        estimates=np.array(estimates).reshape(-1, 2),
-        dead_zones=np.array(dead_zones).reshape(-1, 2),
-        pitch=PITCH,
-        requests=np.array(requests).reshape(-1, 4),
-    )
-
-
-def test_log():
+def test_log(known_run, pitch):
     first, by_hand, second = reconfiguration_log(
-        run([[1.0, 0.3], [2.0, 0.4]], [[0.0, 0.0], [1.7, 5e-5], [2.9, PITCH * 0.4]])
+        known_run([[1.0, 0.3], [2.0, 0.4]], [[0.0, 0.0], [1.7, 5e-5], [2.9, pitch * 0.4]])
     )
     assert (first.time_s, first.change_m, first.delay_s) == (0.0, None, None)
     assert by_hand.change_m == pytest.approx(5e-5)
@@ -35,23 +20,23 @@ def test_log():
     assert second.estimate_time_s == 2.0
     assert second.estimate_rad == 0.4
     assert second.delay_s == second.gap_age_s == pytest.approx(0.9)
-    assert second.change_m == pytest.approx(PITCH * 0.4 - 5e-5)
+    assert second.change_m == pytest.approx(pitch * 0.4 - 5e-5)
 
 
-def test_age_of_the_gap_and_delay_differ_when_the_gap_is_stated_for_an_earlier_time():
+def test_age_of_the_gap_and_delay_differ_when_the_gap_is_stated_for_an_earlier_time(known_run):
     """Three windows that end with the same reversal: one stamp, three dead zones."""
     estimates = [[1.5, 0.3]] * 3
     requests = [[2.0, 7e-5, 1.5, 0.3], [3.0, 8e-5, 1.5, 0.3], [4.0, 9e-5, 1.5, 0.3]]
     dead_zones = [[0.0, 0.0], [3.1, 7e-5], [4.1, 8e-5], [5.1, 9e-5]]
-    log = reconfiguration_log(run(estimates, dead_zones, requests))[1:]
+    log = reconfiguration_log(known_run(estimates, dead_zones, requests))[1:]
     assert [entry.delay_s for entry in log] == pytest.approx([1.1] * 3)
     assert [entry.gap_age_s for entry in log] == pytest.approx([1.6, 2.6, 3.6])
     assert [entry.estimate_time_s for entry in log] == [1.5] * 3
     assert [entry.estimate_rad for entry in log] == [0.3] * 3
 
 
-def test_no_dead_zone():
-    assert reconfiguration_log(run([[1.0, 0.3]], [])) == []
+def test_no_dead_zone(known_run):
+    assert reconfiguration_log(known_run([[1.0, 0.3]], [])) == []
 
 
 def test_summary_of_a_loop(following_bag):

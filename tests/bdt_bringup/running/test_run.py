@@ -156,7 +156,8 @@ def test_real_time_takes_as_long_as_the_simulated_time(tmp_path):
     )
     assert code == 0, err
     assert time.monotonic() - begin > 3.0
-    assert json.loads(out)["real_time_factor"] == pytest.approx(1.0, rel=0.1)
+    # In lockstep it is above 3; a busy machine is late with the first or the last message.
+    assert 0.3 < json.loads(out)["real_time_factor"] < 2.0
 
 
 def test_without_a_bag_there_is_no_report(tmp_path):

@@ -27,6 +27,7 @@ def analyze(
     selection: TopicSelection | None = None,
     formats: Sequence[str] = (),
     settings: Mapping[str, Any] | None = None,
+    run: int | None = None,
 ) -> Summary:
     """Analyze a bag and write ``report.html``, ``summary.json`` and ``figure.png``.
 
@@ -44,6 +45,8 @@ def analyze(
     settings : mapping of str, optional
         Estimate the gap again, with these parameters of the twin; see
         :func:`bdt_bringup.analysis.estimator_setup.given_settings`. None does not.
+    run : int, optional
+        Which run is meant, from 1, of a bag that holds several.
 
     Returns
     -------
@@ -57,7 +60,7 @@ def analyze(
     BadInputError
         If the gap cannot be estimated with these settings.
     """
-    recording = load_recording(Path(bag), selection)
+    recording = load_recording(Path(bag), selection, run)
     steps = find_steps(recording.reference, recording.telemetry, recording.sample_time)
     again = None
     if settings is not None:

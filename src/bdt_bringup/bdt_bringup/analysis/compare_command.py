@@ -22,6 +22,7 @@ from bdt_bringup.analysis.figures import time_label
 from bdt_bringup.analysis.interactive import interactive_part
 from bdt_bringup.analysis.timing_tables import timing_tables
 from bdt_bringup.bags.bag_error import BagError
+from bdt_bringup.bags.topic_selection import TopicSelection
 from bdt_bringup.drawing.figure_style import svg_text
 from bdt_bringup.pages.rendering import render_page
 from bdt_bringup.pages.table import Table
@@ -36,7 +37,13 @@ TERMINAL_COLUMNS = (
 """Columns of the table of runs that the terminal shows."""
 
 
-def run_comparison(bags: Sequence[Path], output: Path, *, as_json: bool) -> None:
+def run_comparison(
+    bags: Sequence[Path],
+    output: Path,
+    selection: TopicSelection | None = None,
+    *,
+    as_json: bool,
+) -> None:
     """Compare bags, write the page and print the table or the numbers.
 
     Parameters
@@ -45,6 +52,8 @@ def run_comparison(bags: Sequence[Path], output: Path, *, as_json: bool) -> None
         Two bags or more.
     output : Path
         The page; one that exists is replaced.
+    selection : TopicSelection, optional
+        Which loop and which topics are meant, in every bag.
     as_json : bool
         True to print :func:`comparison_dictionary` instead of a table.
 
@@ -56,7 +65,7 @@ def run_comparison(bags: Sequence[Path], output: Path, *, as_json: bool) -> None
     if len(bags) < 2:
         raise BagError(f"compare: has {len(bags)} bag: must have two or more")
     _check_output(output)
-    runs = load_runs(bags)
+    runs = load_runs(bags, selection)
     page = comparison_page(runs)
     try:
         output.parent.mkdir(parents=True, exist_ok=True)

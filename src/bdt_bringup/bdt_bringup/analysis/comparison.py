@@ -13,6 +13,7 @@ from bdt_bringup.analysis.report_tables import STEP_COLUMNS, step_cells
 from bdt_bringup.analysis.run_names import run_names
 from bdt_bringup.analysis.summary import Summary, summarize
 from bdt_bringup.bags.recording import Recording, load_recording
+from bdt_bringup.bags.topic_selection import TopicSelection
 from bdt_bringup.drawing.curves import Panel, Series
 from bdt_bringup.pages.table import Column, Row, Table, number
 
@@ -29,6 +30,7 @@ RUN_COLUMNS = (
     Column("worst residual, peak to peak", "µm"),
     Column("gap error, rms", "deg"),
     Column("gap error, largest", "deg"),
+    Column("gap shortfall", "deg"),
     Column("worst lag", "s"),
     Column("lost messages"),
 )
@@ -56,8 +58,15 @@ class ComparedRun:
     summary: Summary
 
 
-def load_runs(bags: Sequence[Path]) -> list[ComparedRun]:
+def load_runs(bags: Sequence[Path], selection: TopicSelection | None = None) -> list[ComparedRun]:
     """Load and analyze bags.
+
+    Parameters
+    ----------
+    bags : sequence of Path
+        The bags.
+    selection : TopicSelection, optional
+        Which loop and which topics are meant, in every bag.
 
     Raises
     ------
@@ -66,7 +75,7 @@ def load_runs(bags: Sequence[Path]) -> list[ComparedRun]:
     """
     runs = []
     for name, bag in zip(run_names(bags), bags, strict=True):
-        recording = load_recording(bag)
+        recording = load_recording(bag, selection)
         steps = find_steps(recording.reference, recording.telemetry, recording.sample_time)
         runs.append(ComparedRun(name, recording, steps, summarize(recording, steps)))
     return runs
@@ -145,8 +154,9 @@ def runs_table(runs: Sequence[ComparedRun]) -> Table:
             number(cycles[0].t_start_s if cycles else None, ".6g"),
             number(abs(bias.bias_percent_of_amplitude or 0.0) if bias else None, ".3f"),
             number(residual.residual_peak_to_peak_m if residual else None, ".2f", 1e6),
-            number(errors.rms_error_rad, ".3f", degrees),
-            number(errors.max_error_rad, ".3f", degrees),
+            number(errors.stated_rms_error_rad, ".3f", degrees),
+            number(errors.stated_max_error_rad, ".3f", degrees),
+            number(errors.max_shortfall_rad, ".3f", degrees),
             number(errors.worst_lag_s, ".3f"),
             str(summary.lost_messages),
         )

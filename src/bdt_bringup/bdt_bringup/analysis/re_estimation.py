@@ -1,6 +1,5 @@
 """The recorded telemetry given to an estimator again, and how well it did beside the live twin."""
 
-import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,8 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_bringup.analysis.estimate_analysis import interval_coverage
 from bdt_bringup.analysis.estimator_setup import KIND, EstimatorSetup
+from bdt_bringup.analysis.stated_gaps import (
+    StatedGaps,
+    StatedGapsSummary,
+    live_gaps,
+    stated_gaps,
+    summarize_stated_gaps,
+)
 from bdt_bringup.bags.recording import Recording
 from bdt_twin.estimator import Estimate, TelemetryRejectedError
 
@@ -18,49 +23,6 @@ FloatArray = NDArray[np.float64]
 
 BATCH_TIME = 0.1
 """Telemetry given to the estimator at a time [s], where the bag has no batches."""
-
-TRUE_GAP = 3
-"""Column of the truth."""
-
-
-@dataclass(frozen=True, eq=False)
-class StatedGaps:
-    """What somebody said about the gap.
-
-    Attributes
-    ----------
-    time, gap, uncertainty : ndarray, shape (n,)
-        Time for which the gap is stated [s], increasing; gap and its standard uncertainty [rad],
-        NaN where none was stated.
-    error : ndarray, shape (n,)
-        Gap less true gap at that time [rad]; NaN where the bag has no truth.
-    """
-
-    time: FloatArray
-    gap: FloatArray
-    uncertainty: FloatArray
-    error: FloatArray
-
-
-@dataclass(frozen=True)
-class StatedGapsSummary:
-    """Stated gaps in numbers.
-
-    Attributes
-    ----------
-    estimates : int
-        Number of estimates; one that only repeats the last does not count.
-    rms_error_deg, worst_error_deg : float or None
-        Errors at the times for which the gap is stated [deg]; None without truth or estimates.
-    coverage_95_percent : float or None
-        Share of the estimates whose stated 95 % interval holds the true gap [%]; None where no
-        uncertainty is stated.
-    """
-
-    estimates: int
-    rms_error_deg: float | None
-    worst_error_deg: float | None
-    coverage_95_percent: float | None
 
 
 @dataclass(frozen=True)
@@ -155,7 +117,7 @@ def re_estimate(recording: Recording, setup: EstimatorSetup) -> ReEstimation:
     reasons = [estimate.reason for estimate in estimates if estimate.reason]
     rows = [(x.time, x.gap, x.uncertainty) for x in estimates if x.is_known]
     again = stated_gaps(np.array(rows, np.float64).reshape(-1, 3), recording.truth)
-    live = stated_gaps(_live_rows(recording), recording.truth)
+    live = live_gaps(recording)
     summary = ReEstimationSummary(
         **vars(summarize_stated_gaps(again)),
         estimator=setup.kind,
@@ -190,48 +152,3 @@ def telemetry_batches(recording: Recording, sampling_rate: float) -> Sequence[Fl
     length = recording.batch_rows or max(round(BATCH_TIME * sampling_rate), 1)
     numbers = np.rint((rows[:, 0] - recording.sample_times[0]) * sampling_rate) // length
     return np.split(rows, np.flatnonzero(np.diff(numbers)) + 1)
-
-
-def stated_gaps(rows: FloatArray, truth: FloatArray | None) -> StatedGaps:
-    """Return what was stated, each of it once, with the errors.
-
-    Parameters
-    ----------
-    rows : ndarray, shape (n, 3)
-        Rows of (time [s], gap, standard uncertainty [rad]) in the order in which they were stated.
-    truth : ndarray, shape (m, 7), or None
-        Truth, if the bag has it; the true gap is interpolated between its rows.
-    """
-    # A twin that learns nothing repeats its last estimate, of the same time.
-    news = np.ones(len(rows), np.bool_)
-    news[1:] = (np.diff(rows[:, :2], axis=0) != 0.0).any(axis=1)
-    rows = rows[news]
-    rows = rows[np.argsort(rows[:, 0], kind="stable")]
-    when, gap, uncertainty = rows.T
-    if truth is None:
-        return StatedGaps(when, gap, uncertainty, np.full(when.shape, np.nan))
-    true_gap = np.interp(when, truth[:, 0], truth[:, TRUE_GAP], left=np.nan, right=np.nan)
-    return StatedGaps(when, gap, uncertainty, gap - true_gap)
-
-
-def summarize_stated_gaps(stated: StatedGaps) -> StatedGapsSummary:
-    """Return stated gaps in numbers."""
-    errors = np.rad2deg(stated.error[np.isfinite(stated.error)])
-    return StatedGapsSummary(
-        estimates=len(stated.gap),
-        rms_error_deg=math.sqrt(float(np.mean(errors**2))) if errors.size else None,
-        worst_error_deg=float(np.abs(errors).max()) if errors.size else None,
-        coverage_95_percent=interval_coverage(stated.error, stated.uncertainty),
-    )
-
-
-def _live_rows(recording: Recording) -> FloatArray:
-    """Return rows of (time, gap, uncertainty) of the twin; NaN for an uncertainty not stated."""
-    rows = np.column_stack([recording.estimates[:, :2], np.full(len(recording.estimates), np.nan)])
-    following = 0
-    for stamp, uncertainty in recording.uncertainties:
-        # Estimates of the same time are told apart by their order.
-        following = max(following, int(np.searchsorted(rows[:, 0], stamp)))
-        rows[following, 2] = uncertainty
-        following += 1
-    return rows

@@ -1,6 +1,7 @@
 """A re-estimation beside the live twin, in words for the terminal and as a table for the report."""
 
-from bdt_bringup.analysis.re_estimation import ReEstimationSummary, StatedGapsSummary
+from bdt_bringup.analysis.re_estimation import ReEstimationSummary
+from bdt_bringup.analysis.stated_gaps import StatedGapsSummary
 from bdt_bringup.pages.table import Column, Row, Table, number
 
 

@@ -85,10 +85,12 @@ def _details(summary: Summary) -> list[str]:
             f"(step at {worst.t_start_s:.6g} s)"
         )
     errors = summary.estimate
-    if errors.max_error_rad is not None and errors.rms_error_rad is not None:
+    if errors.stated_max_error_rad is not None and errors.stated_rms_error_rad is not None:
         parts.append(
-            f"gap estimate off by {math.degrees(errors.max_error_rad):.2f}° at worst, "
-            f"{math.degrees(errors.rms_error_rad):.2f}° rms"
+            f"gap estimates off by {math.degrees(errors.stated_max_error_rad):.3f}° at worst, "
+            f"{math.degrees(errors.stated_rms_error_rad):.3f}° rms, at the times for "
+            "which they are stated; until the next one came up to "
+            f"{math.degrees(errors.max_shortfall_rad or 0.0):.2f}° short of the gap"
         )
     else:
         parts.append("gap error unknown: the bag lacks truth or estimates")
@@ -160,7 +162,7 @@ def _tiles(summary: Summary) -> list[tuple[str, str, str]]:
             number(residual.residual_peak_to_peak_m if residual else None, ".3g", 1e6),
             "µm",
         ),
-        ("gap error, rms", number(errors.rms_error_rad, ".2f", math.degrees(1)), "deg"),
+        ("gap error, rms", number(errors.stated_rms_error_rad, ".3f", math.degrees(1)), "deg"),
         ("reconfigurations", str(summary.reconfigurations), ""),
         ("simulated time", number(summary.duration_s, ".5g"), "s"),
         ("pace", number(summary.real_time_factor, ".3g"), "× real time"),  # noqa: RUF001

@@ -86,8 +86,21 @@ def _estimate_table(recording: Recording, summary: Summary) -> Table:
     gap = None if recording.truth is None else float(recording.truth[-1, 3])
     rows = (
         ("estimates", str(len(recording.estimates)), ""),
-        ("gap error, root mean square", number(errors.rms_error_rad, ".3f", degrees), "deg"),
-        ("gap error, largest", number(errors.max_error_rad, ".3f", degrees), "deg"),
+        (
+            "gap error where stated, root mean square",
+            number(errors.stated_rms_error_rad, ".3f", degrees),
+            "deg",
+        ),
+        (
+            "gap error where stated, largest",
+            number(errors.stated_max_error_rad, ".3f", degrees),
+            "deg",
+        ),
+        (
+            "shortfall until the next estimate, largest",
+            number(errors.max_shortfall_rad, ".3f", degrees),
+            "deg",
+        ),
         ("worst lag of the dead zone", number(errors.worst_lag_s, ".3f"), "s"),
         ("reconfigurations", str(summary.reconfigurations), ""),
         ("dead zone at the end", number(final, ".2f", 1e6), "µm"),

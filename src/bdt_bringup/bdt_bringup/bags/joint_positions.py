@@ -91,14 +91,50 @@ def dead_zone_requests(bag: RawBag, clock: Clock) -> FloatArray:
     return requests[np.argsort(requests[:, 0], kind="stable")]
 
 
+def held_gaps(bag: RawBag, clock: Clock) -> FloatArray:
+    """Return which gap the twin held from when on.
+
+    Parameters
+    ----------
+    bag : RawBag
+        The bag.
+    clock : callable
+        See :data:`Clock`.
+
+    Returns
+    -------
+    ndarray, shape (k, 2)
+        See :class:`bdt_bringup.run_signals.RunSignals`.
+
+    Raises
+    ------
+    BagError
+        If a message contradicts itself.
+    """
+
+    def read(message: Any) -> tuple[int, float, float]:
+        stamp, gap = read_position(message, GAP_JOINT)
+        return stamp, _age(message), gap
+
+    rows = _rows(bag, BACKLASH_ESTIMATE, read, clock)
+    if not len(rows):
+        return np.empty((0, 2))
+    times, ages, gaps = rows.T
+    held: FloatArray = np.stack([times + ages, gaps], axis=1)
+    return held[np.argsort(held[:, 0], kind="stable")]
+
+
 def _read_request(message: Any) -> tuple[int, float, float, float] | None:
     """Return stamp [ns], age [s], tolerance [m] and gap [rad]; None if nothing was asked for."""
     if DEAD_ZONE_JOINT not in message.name:
         return None
     stamp, gap = read_position(message, GAP_JOINT)
-    # Whoever does not tell the age states the gap for the newest sample.
-    age = read_position(message, GAP_AGE_JOINT)[1] if GAP_AGE_JOINT in message.name else 0.0
-    return stamp, age, read_position(message, DEAD_ZONE_JOINT)[1], gap
+    return stamp, _age(message), read_position(message, DEAD_ZONE_JOINT)[1], gap
+
+
+def _age(message: Any) -> float:
+    """Return the age [s]: whoever does not tell it states the gap for the newest sample."""
+    return read_position(message, GAP_AGE_JOINT)[1] if GAP_AGE_JOINT in message.name else 0.0
 
 
 def _rows(

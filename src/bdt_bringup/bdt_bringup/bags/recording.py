@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.bag_reader import RawBag, decode, read_bag
-from bdt_bringup.bags.joint_positions import dead_zone_requests, joint_positions
+from bdt_bringup.bags.joint_positions import dead_zone_requests, held_gaps, joint_positions
 from bdt_bringup.bags.parameter_log import (
     diagnosed_dead_zones,
     parameter_changes,
@@ -30,6 +30,7 @@ from bdt_bringup.bags.sample_rows import (
     SampleRows,
     ordered_rows,
     rows_of_messages,
+    run_of_bag,
     sample_batches,
 )
 from bdt_bringup.bags.topic_selection import TopicSelection
@@ -135,7 +136,9 @@ class Recording(RunSignals):
         return float(np.ptp(time) / (end - begin)) if end > begin else None
 
 
-def load_recording(path: Path, selection: TopicSelection | None = None) -> Recording:
+def load_recording(
+    path: Path, selection: TopicSelection | None = None, run: int | None = None
+) -> Recording:
     """Load a bag.
 
     Parameters
@@ -144,6 +147,8 @@ def load_recording(path: Path, selection: TopicSelection | None = None) -> Recor
         See :func:`bdt_bringup.bags.bag_reader.read_bag`.
     selection : TopicSelection, optional
         Which loop and which topics are meant where the bag does not tell.
+    run : int, optional
+        Which run is meant, from 1, of a bag that holds several; None for the only one.
 
     Raises
     ------
@@ -151,6 +156,8 @@ def load_recording(path: Path, selection: TopicSelection | None = None) -> Recor
         For everything that is wrong with the bag.
     """
     bag = read_bag(path, selection)
+    if run is not None:
+        bag = run_of_bag(bag, run)
     batches = None
     if TELEMETRY in bag.topics:
         source, batches = TELEMETRY, sample_batches(bag, TELEMETRY, TELEMETRY_COLUMNS)
@@ -184,6 +191,7 @@ def load_recording(path: Path, selection: TopicSelection | None = None) -> Recor
             bag, BACKLASH_ESTIMATE, GAP_UNCERTAINTY_JOINT, clock.times, optional=True
         ),
         requests=dead_zone_requests(bag, clock.times),
+        held_gaps=held_gaps(bag, clock.times),
         dead_zones=dead_zones,
         reconfigurations=reconfigurations,
         pitch=recorded_pitch(events, namespace) or LeadScrewParameters().pitch,

@@ -10,9 +10,17 @@ from numpy.typing import NDArray
 from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.bags.bag_reader import RawBag, decode
 from bdt_bringup.bags.joint_values import joint_values
-from bdt_bringup.bags.recording_clock import LARGEST_TIME
+from bdt_bringup.bags.recording_clock import LARGEST_TIME, message_times
+from bdt_bringup.bags.run_selection import run_limits, select_run
 from bdt_msgs_py.reading import read_position, read_samples, read_voltage
-from bdt_msgs_py.topics import COMMAND, MEASUREMENT, PLATFORM_JOINT, Topic
+from bdt_msgs_py.topics import (
+    COMMAND,
+    MEASUREMENT,
+    PLATFORM_JOINT,
+    TELEMETRY,
+    TELEMETRY_COLUMNS,
+    Topic,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -82,9 +90,29 @@ def ordered_rows(bag: RawBag, topic: Topic, batches: Sequence[FloatArray]) -> Sa
         different = twice & ((rows[1:] != rows[:-1]) & ~np.isnan(rows[1:])).any(axis=1)
         if different.any():
             raise _two_runs(bag, topic, float(rows[1:][different][0, 0]))
+        if _limits(bag):  # a lockstep loop that is started again repeats itself
+            raise _several_runs(bag, topic, "goes back in time")
         rows = rows[np.concatenate([[True], ~twice])]
     known = (np.abs(rows) < LARGEST_VALUE).all(axis=1)
     return SampleRows(rows if known.all() else rows[known], rows[:, 0].copy())
+
+
+def run_of_bag(bag: RawBag, number: int) -> RawBag:
+    """Return what belongs to one run of a bag that holds several.
+
+    Parameters
+    ----------
+    bag : RawBag
+        A bag with telemetry or measurements.
+    number : int
+        Which run, from 1.
+
+    Raises
+    ------
+    BagError
+        If the bag does not hold so many runs, or if a message is damaged.
+    """
+    return select_run(bag, _limits(bag), number)
 
 
 def rows_of_messages(bag: RawBag) -> SampleRows:
@@ -136,7 +164,29 @@ def _check_one_run(bag: RawBag, topic: Topic, batches: Sequence[FloatArray]) -> 
 
 
 def _two_runs(bag: RawBag, topic: Topic, time: float) -> BagError:
-    return BagError(
-        f"bag {bag.path}: topic {bag.topics[topic].name} has two different samples for "
-        f"t = {time:g} s, as if time began anew: must hold one run"
+    return _several_runs(
+        bag, topic, f"has two different samples for t = {time:g} s, as if time began anew"
     )
+
+
+def _several_runs(bag: RawBag, topic: Topic, fault: str) -> BagError:
+    runs = len(_limits(bag)) + 1
+    choice = f"holds {runs} runs, choose one with bdt analyze --run 1 to --run {runs}"
+    return BagError(
+        f"bag {bag.path}: topic {bag.topics[topic].name} {fault}: "
+        f"{choice if runs > 1 else 'must hold one run'}"
+    )
+
+
+def _limits(bag: RawBag) -> list[int]:
+    """Return where the runs of a bag part [ns].
+
+    Measurements tell the end of a run more closely than batches of telemetry do.
+    """
+    if MEASUREMENT in bag.topics:
+        stamps = message_times(bag, MEASUREMENT, 0.0, 0).stamps
+        return run_limits(stamps, bag.topics[MEASUREMENT].received)
+    batches = sample_batches(bag, TELEMETRY, TELEMETRY_COLUMNS)
+    times = np.array([batch[0, 0] if len(batch) else np.nan for batch in batches])
+    times = np.where(np.abs(times) < LARGEST_TIME, times, np.nan)
+    return run_limits(times, bag.topics[TELEMETRY].received)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bdt_bringup.analysis.estimate_analysis import interval_coverage
+from bdt_bringup.analysis.stated_gaps import interval_coverage
 from bdt_bringup.evaluation.trial import Trial
 from bdt_bringup.reproduction.claims import LARGEST_BIAS
 
