@@ -31,8 +31,8 @@ from bdt_plant.structure import (
 
 FloatArray = NDArray[np.float64]
 
-GAPS_AT_A_TIME = 1000
-"""Samples for which a simulator computes the gap at a time."""
+SAMPLES_AT_A_TIME = 1000
+"""Samples for which a simulator reckons times and gaps at a time."""
 
 
 @dataclass(frozen=True)
@@ -225,7 +225,7 @@ class PlantSimulator:
         # A pitch written as 1 is an int, for which nothing is compiled.
         self._step = step._replace(pitch=float(step.pitch))
         self._period = period
-        self._gaps: list[FloatArray] = []
+        self._periods: list[tuple[FloatArray, FloatArray]] = []
         # Without a gap the motor drives the screw from the very first sample.
         self.state = AT_REST._replace(contact=contact_side(0.0, 0.0, gap_at(profile, 0.0)))
         self.sample = self.saturated_steps = 0
@@ -277,25 +277,26 @@ class PlantSimulator:
         """
         applied = saturated(float(voltage), self._voltage_limit)
         self.saturated_steps += applied != voltage
-        count = self._sampling.samples_per_control_step
-        positions = np.empty(count)
-        self.state = self._period(self.state, applied, self._next_gaps(), self._step, positions)
+        gaps, rows = self._next_period()
+        positions = np.empty(gaps.size)
+        self.state = self._period(self.state, applied, gaps, self._step, positions)
         readings = self._sensor.read_all(positions)
-        rows = np.empty((count, 3))
-        rows[:, 0] = np.arange(self.sample, self.sample + count) / self._sampling.sampling_rate
         rows[:, 1] = applied
         rows[0, 2], rows[1:, 2] = self._reading, readings[:-1]
         self._reading = float(readings[-1])
-        self.sample += count
+        self.sample += gaps.size
         return rows
 
-    def _next_gaps(self) -> FloatArray:
-        """Return the gap at the end of each sample until the next measurement [rad]."""
-        if not self._gaps:
+    def _next_period(self) -> tuple[FloatArray, FloatArray]:
+        """Return the gaps [rad] until the next measurement, and rows with the times [s]."""
+        if not self._periods:
             # Some periods at a time: with ten numbers a call of numpy is mostly overhead.
             count = self._sampling.samples_per_control_step
-            periods = max(GAPS_AT_A_TIME // count, 1)
-            ends = np.arange(self.sample + 1, self.sample + periods * count + 1)
-            gaps = gaps_at(self._profile, ends / self._sampling.sampling_rate)
-            self._gaps = list(reversed(gaps.reshape(periods, count)))
-        return self._gaps.pop()
+            periods = max(SAMPLES_AT_A_TIME // count, 1)
+            samples = np.arange(self.sample, self.sample + periods * count + 1)
+            times = samples / self._sampling.sampling_rate
+            gaps = gaps_at(self._profile, times[1:]).reshape(periods, count)
+            rows = np.empty((periods, count, 3))
+            rows[:, :, 0] = times[:-1].reshape(periods, count)
+            self._periods = list(zip(gaps, rows, strict=True))[::-1]
+        return self._periods.pop()
