@@ -20,6 +20,21 @@ __all__ = ["CallbackRunning"]
 class CallbackRunning(Readiness):
     """Takes what is ready and runs its callbacks, functions and coroutines."""
 
+    def create_task(
+        self, callback: Callable[..., Any] | Coroutine[Any, Any, Any], *args: Any, **kwargs: Any
+    ) -> Task:
+        """Have a function or coroutine run, with arguments.
+
+        Returns
+        -------
+        Task
+            Future of the result.
+        """
+        task = Task(callback, args, kwargs, executor=cast("Executor", self))
+        self._tasks.append(task)
+        self._guard.set()
+        return task
+
     def _claim(self, entity: Entity) -> Any:
         """Take what an entity has, if its group lets its callback run now."""
         group = entity.callback_group

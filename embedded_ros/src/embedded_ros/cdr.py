@@ -6,24 +6,18 @@ counts from the end of the four-byte encapsulation header. Runs of fixed-size me
 """
 
 import struct
-from array import array
 from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
-import numpy as np
-
+from embedded_ros.codec_source import FORMATS, SIZES, CodecSource
 from embedded_ros.definitions import EMPTY_MEMBER, Field, fields_of
 from embedded_ros.errors import RMWError
-from embedded_ros.field_checks import ARRAY_CODES
 from embedded_ros.message_classes import CHECK_FIELDS, message_class
 
 __all__ = ["ENCAPSULATION", "CdrError", "Codec", "codec"]
 
 #: Header of every payload: CDR, little-endian, no options.
 ENCAPSULATION: Final = b"\x00\x01\x00\x00"
-
-_FORMATS = {**ARRAY_CODES, "bool": "?", "byte": "c"}
-_SIZES = {code: struct.calcsize(f"<{code}") for code in "?cbBhHiIqQfd"}
 
 
 class CdrError(RMWError):
@@ -58,67 +52,7 @@ def codec(type_name: str) -> Codec:
     return found
 
 
-class _Source:
-    """Python source under construction, with what is known of the alignment at its end."""
-
-    def __init__(self) -> None:
-        self.lines: list[str] = []
-        self.scope: dict[str, Any] = {"array": array, "np": np}
-        self.indent = 1
-        self._names = 0
-        self._structs: dict[str, str] = {}
-        # The position is congruent to `offset` modulo `modulus`. A body starts aligned.
-        self.modulus = 8
-        self.offset = 0
-        # Members waiting to be merged into one struct call.
-        self.format = ""
-        self.operands: list[str] = []
-
-    def emit(self, line: str) -> None:
-        self.lines.append("    " * self.indent + line)
-
-    def name(self) -> str:
-        self._names += 1
-        return f"v{self._names}"
-
-    def struct(self, fmt: str) -> str:
-        if fmt not in self._structs:
-            self._structs[fmt] = f"S{len(self._structs)}"
-            self.scope[self._structs[fmt]] = struct.Struct(f"<{fmt}")
-        return self._structs[fmt]
-
-    def forget_alignment(self, modulus: int = 1) -> None:
-        self.modulus, self.offset = modulus, 0
-
-    def member(self, code: str, operand: str) -> None:
-        """Add a fixed-size member to the pending run."""
-        size = _SIZES[code]
-        if size > self.modulus:
-            self.flush()
-            self.align_at_run_time(size)
-            self.forget_alignment(size)
-        else:
-            padding = -self.offset % size
-            self.format += "x" * padding
-            self.offset += padding
-        self.format += code
-        self.operands.append(operand)
-        self.offset = (self.offset + size) % self.modulus
-
-    def flush(self) -> None:
-        raise NotImplementedError
-
-    def align_at_run_time(self, size: int) -> None:
-        raise NotImplementedError
-
-    def finish(self, head: str, tail: list[str], file: str) -> Any:
-        self.flush()
-        source = "\n".join([head, *self.lines, *(f"    {line}" for line in tail)])
-        exec(compile(source, file, "exec"), self.scope)  # noqa: S102 - made from definitions
-        return self.scope["run"]
-
-
-class _Writer(_Source):
+class _Writer(CodecSource):
     def flush(self) -> None:
         if self.format:
             call = f"{self.struct(self.format)}.pack({', '.join(self.operands)})"
@@ -164,10 +98,10 @@ class _Writer(_Source):
             self.emit("b += b'\\0'")
             self.forget_alignment()
         else:
-            self.member(_FORMATS[field.type_name], value)
+            self.member(FORMATS[field.type_name], value)
 
     def elements(self, field: Field, name: str) -> None:
-        code = None if field.is_message else _FORMATS.get(field.type_name)
+        code = None if field.is_message else FORMATS.get(field.type_name)
         self.flush()
         if code is None:
             self.forget_alignment()
@@ -179,11 +113,11 @@ class _Writer(_Source):
             self.indent -= 1
             self.forget_alignment()
             return
-        if _SIZES[code] > 4 or field.container == "array":
+        if SIZES[code] > 4 or field.container == "array":
             # An empty sequence is not padded for its elements.
             self.emit(f"if len({name}):")
             self.indent += 1
-            self.align_at_run_time(_SIZES[code])
+            self.align_at_run_time(SIZES[code])
             self.indent -= 1
         if code == "c":
             self.emit(f"b += b''.join({name})")
@@ -193,10 +127,10 @@ class _Writer(_Source):
             self.emit(f"b += np.asarray({name}, '{code}').tobytes()")
         else:
             self.emit(f"b += {name}")
-        self.forget_alignment(min(4, _SIZES[code]))
+        self.forget_alignment(min(4, SIZES[code]))
 
 
-class _Reader(_Source):
+class _Reader(CodecSource):
     def flush(self) -> None:
         if self.format:
             targets = ", ".join(self.operands) + ("," if len(self.operands) == 1 else "")
@@ -244,10 +178,10 @@ class _Reader(_Source):
             self.emit(f"p += {size}")
             self.forget_alignment()
         else:
-            self.member(_FORMATS[field.type_name], target)
+            self.member(FORMATS[field.type_name], target)
 
     def elements(self, field: Field, target: str, count: str) -> None:
-        code = None if field.is_message else _FORMATS.get(field.type_name)
+        code = None if field.is_message else FORMATS.get(field.type_name)
         if code is None:
             items, item = self.name(), self.name()
             self.emit(f"{items} = {target} = []")
@@ -260,7 +194,7 @@ class _Reader(_Source):
             self.indent -= 1
             self.forget_alignment()
             return
-        size = _SIZES[code]
+        size = SIZES[code]
         if size > 4 or field.container == "array":
             self.emit(f"if {count}:")
             self.indent += 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from embedded_ros import cyclone
 from embedded_ros.endpoint_events import EndpointEvents
@@ -18,6 +18,7 @@ from rclpy.timer import Timer
 
 if TYPE_CHECKING:
     from embedded_ros.session import Session
+    from rclpy.executors import Executor
     from rclpy.node import Node
     from rclpy.publisher import Publisher
 
@@ -64,6 +65,28 @@ class Readiness:
         """Nodes whose callbacks are run."""
         with self._nodes_lock:
             return list(self._nodes)
+
+    def add_node(self, node: Node) -> bool:
+        """Run the callbacks of a node; False if that is done already."""
+        with self._nodes_lock:
+            if node in self._nodes:
+                return False
+            self._nodes.append(node)
+        node.executor = cast("Executor", self)
+        self.wake()
+        return True
+
+    def remove_node(self, node: Node) -> None:
+        """Run the callbacks of a node no more."""
+        with self._nodes_lock:
+            if node not in self._nodes:
+                return
+            self._nodes.remove(node)
+        self.wake()
+
+    def interrupt(self) -> None:
+        """Come out of the wait to see whether the context is shut down."""
+        self._guard.set()
 
     def wake(self) -> None:
         """Look at the nodes again: an entity was made or destroyed."""

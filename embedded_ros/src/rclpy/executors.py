@@ -7,20 +7,17 @@ import os
 import threading
 import time
 import warnings
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from embedded_ros import cyclone, interrupts
 from embedded_ros.callback_running import CallbackRunning
 from embedded_ros.readiness import Work
 from rclpy.context import Context
 from rclpy.exceptions import NotInitializedException
-from rclpy.task import Future, Task
+from rclpy.task import Future
 from rclpy.utilities import get_default_context, timeout_sec_to_nsec
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
 
 __all__ = [
     "ConditionReachedException",
@@ -79,21 +76,6 @@ class Executor(CallbackRunning):
         """Context of the executor."""
         return self._context
 
-    def create_task(
-        self, callback: Callable[..., Any] | Coroutine[Any, Any, Any], *args: Any, **kwargs: Any
-    ) -> Task:
-        """Have a function or coroutine run, with arguments.
-
-        Returns
-        -------
-        Task
-            Future of the result.
-        """
-        task = Task(callback, args, kwargs, executor=self)
-        self._tasks.append(task)
-        self._guard.set()
-        return task
-
     def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002
         """Stop running callbacks and let go of the nodes.
 
@@ -118,28 +100,6 @@ class Executor(CallbackRunning):
             self._timers = []
         self._ready.clear()
         return True
-
-    def add_node(self, node: Node) -> bool:
-        """Run the callbacks of a node; False if that is done already."""
-        with self._nodes_lock:
-            if node in self._nodes:
-                return False
-            self._nodes.append(node)
-        node.executor = self
-        self.wake()
-        return True
-
-    def remove_node(self, node: Node) -> None:
-        """Run the callbacks of a node no more."""
-        with self._nodes_lock:
-            if node not in self._nodes:
-                return
-            self._nodes.remove(node)
-        self.wake()
-
-    def interrupt(self) -> None:
-        """Come out of the wait to see whether the context is shut down."""
-        self._guard.set()
 
     def spin(self) -> None:
         """Run callbacks until the context or the executor is shut down.
