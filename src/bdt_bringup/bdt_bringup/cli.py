@@ -70,7 +70,7 @@ def _run(options: argparse.Namespace) -> int:
         recorder=recorder_settings(options),
     )
     try:
-        run_loop(plan)
+        factor = run_loop(plan)
     except KeyboardInterrupt:
         kept = f"; what was recorded is in {plan.bag}" if plan.record else ""
         return _complain(f"interrupted{kept}", INTERRUPTED)
@@ -81,6 +81,8 @@ def _run(options: argparse.Namespace) -> int:
         )
     if plan.record:
         _report(plan.bag, plan.output, as_json=options.json)
+    elif options.json:
+        print(json.dumps({"duration": plan.duration, "real_time_factor": factor}, indent=2))
     return 0
 
 
@@ -199,7 +201,9 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--output", type=Path, metavar="DIR", help="new folder for bag and report")
     run.add_argument("--no-bag", dest="bag", action="store_false", help="record nothing")
     add_recording_options(run)
-    run.add_argument("--json", action="store_true", help="print summary.json")
+    run.add_argument(
+        "--json", action="store_true", help="print summary.json; without a bag, the pace alone"
+    )
     run.set_defaults(command=_run)
     analyze_command = commands.add_parser(
         "analyze",

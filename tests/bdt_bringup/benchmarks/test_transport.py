@@ -44,10 +44,11 @@ def test_starting_with_rclpy_takes_longer_than_without(monkeypatch):
     assert imported.value < with_node.value
 
 
-def test_the_loop_runs_in_processes_and_in_one():
-    factor, ticks = transport.lockstep_real_time_factor(TINY)
+def test_the_loop_runs_in_processes_in_one_and_without_recorder():
+    factor, ticks, recorded = transport.lockstep_real_time_factor(TINY)
     assert factor.value > 0
-    assert ticks.value == pytest.approx(500 * factor.value)
+    assert recorded.value == ticks.value == pytest.approx(500 * factor.value)
+    assert recorded.ratio != ticks.ratio
 
 
 def test_an_end_that_fails_is_quoted():

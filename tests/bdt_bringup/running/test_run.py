@@ -161,8 +161,11 @@ def test_real_time_takes_as_long_as_the_simulated_time(tmp_path):
 
 
 def test_without_a_bag_there_is_no_report(tmp_path):
-    code, _, err = run("--duration", "1", "--output", tmp_path / "run", "--no-bag")
+    code, out, err = run("--duration", "1", "--output", tmp_path / "run", "--no-bag", "--json")
     assert code == 0, err
+    pace = json.loads(out)
+    assert pace["duration"] == 1.0
+    assert pace["real_time_factor"] > 0
     assert not (tmp_path / "run" / "bag").exists()
     assert not (tmp_path / "run" / "report.html").exists()
 

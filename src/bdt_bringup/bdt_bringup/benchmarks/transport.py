@@ -32,6 +32,8 @@ PATIENCE = 300.0
 DISCOVERIES = 5
 STARTS = 5
 
+SINGLE = ["--processes", "single"]
+
 CONTROL_RATE = 500.0
 """Control rate of the default configuration [Hz]."""
 
@@ -100,15 +102,18 @@ def start_up(_size: BenchmarkSize) -> list[BenchmarkResult]:
 
 
 def lockstep_real_time_factor(size: BenchmarkSize) -> list[BenchmarkResult]:
-    """Run the paper's loop in processes of their own with a bag, and all in one process."""
-    separate, single = (
-        _loop_factor(size.loop_duration, processes) for processes in ("separate", "single")
+    """Run the paper's loop in processes of their own with a bag, in one process, and without."""
+    separate, single, unrecorded = (
+        _loop_factor(size.loop_duration, options) for options in ([], SINGLE, ["--no-bag"])
     )
     name = "lockstep_real_time_factor"
     what = "all nodes in one process"
     return [
         compared(name, separate, "simulated s/s", what, single),
         compared(name, CONTROL_RATE * separate, "ticks/s", what, CONTROL_RATE * single),
+        compared(
+            name, CONTROL_RATE * separate, "ticks/s", "no recorder", CONTROL_RATE * unrecorded
+        ),
     ]
 
 
@@ -134,11 +139,10 @@ def _one_way(name: str, count: int, numbers: int) -> list[BenchmarkResult]:
     ]
 
 
-def _loop_factor(duration: float, processes: str) -> float:
+def _loop_factor(duration: float, options: list[str]) -> float:
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "bdt_bringup.cli", "run", "--json"]
-        command += ["--duration", str(duration), "--processes", processes]
-        command += ["--output", str(Path(folder) / "run")]
+        command += ["--duration", str(duration), "--output", str(Path(folder) / "run"), *options]
         done = subprocess.run(  # noqa: S603 - our own program
             command,
             check=False,

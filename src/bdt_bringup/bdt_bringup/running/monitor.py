@@ -38,6 +38,7 @@ class MonitorNode(Node):
         self.gap: float | None = None
         self.dead_zone: float | None = None
         self._begin: tuple[float, float] | None = None
+        self._heard = 0.0
         for kind, topic, callback in (
             (Clock, CLOCK, self._take_clock),
             (JointState, BACKLASH_ESTIMATE, self._take_estimate),
@@ -46,17 +47,18 @@ class MonitorNode(Node):
             self.create_subscription(kind, topic.name, callback, qos_profile(topic))
 
     def real_time_factor(self) -> float | None:
-        """Return simulated seconds per second of wall time so far."""
+        """Return simulated seconds per second of wall time until the latest of /clock."""
         if self._begin is None:
             return None
         wall, simulated = self._begin
-        elapsed = time.monotonic() - wall
+        elapsed = self._heard - wall
         return (self.simulated_time - simulated) / elapsed if elapsed > 0 else None
 
     def _take_clock(self, message: Clock) -> None:
         self.simulated_time = nanoseconds_from_stamp(message.clock) * 1e-9
+        self._heard = time.monotonic()
         if self._begin is None and self.simulated_time > 0:
-            self._begin = time.monotonic(), self.simulated_time
+            self._begin = self._heard, self.simulated_time
 
     def _take_estimate(self, message: JointState) -> None:
         _, self.gap = read_position(message, GAP_JOINT)

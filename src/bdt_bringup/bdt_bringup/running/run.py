@@ -24,13 +24,18 @@ REFRESH = 0.1
 """Wall time [s] between two looks at the nodes and two updates of the progress bar."""
 
 
-def run_loop(plan: RunPlan) -> None:
+def run_loop(plan: RunPlan) -> float | None:
     """Run the loop to its end.
 
     Parameters
     ----------
     plan : RunPlan
         What to start.
+
+    Returns
+    -------
+    float or None
+        Simulated seconds per second of wall time; None of a run so short that nobody saw it.
 
     Raises
     ------
@@ -58,6 +63,7 @@ def run_loop(plan: RunPlan) -> None:
                     _run_in_this_process(plan, context, executor, monitor, display, signals)
                 else:
                     _run_in_processes(plan, executor, monitor, display, signals)
+        return monitor.real_time_factor()
     finally:
         executor.shutdown()
         monitor.destroy_node()
