@@ -3,6 +3,7 @@
 import json
 import re
 import xml.etree.ElementTree as ET
+from ast import literal_eval
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from bdt_msgs_py.topics import (
     JOINT_STATE,
     MOTOR_JOINT,
     PLATFORM_JOINT,
+    REFERENCE,
     TRUTH,
     TRUTH_COLUMNS,
     Topic,
@@ -59,13 +61,32 @@ def foxglove_layout() -> dict[str, Any]:
     return layout
 
 
-def foxglove_paths() -> list[str]:
+def foxglove_series() -> list[dict[str, Any]]:
     panels = foxglove_layout()["configById"].values()
-    return [path["value"] for panel in panels for path in panel.get("paths", [])]
+    return [path for panel in panels for path in panel.get("paths", [])]
 
 
-def rqt_plot_arguments() -> list[str]:
-    return re.findall(r'"([^"]+)"', (CONFIG / "rqt_plot.sh").read_text())
+def foxglove_paths() -> list[str]:
+    return [path["value"] for path in foxglove_series()]
+
+
+def rqt_plots() -> list[dict[str, Any]]:
+    """Return the settings of each plot in the perspective, which rqt keeps as their `repr`."""
+    perspective = json.loads((CONFIG / "rqt_plot.perspective").read_text())
+    manager = perspective["groups"]["pluginmanager"]
+    running = literal_eval(manager["keys"]["running-plugins"]["repr"])["rqt_plot/Plot"]
+    plugins = [manager["groups"][f"plugin__rqt_plot__Plot__{number}"] for number in running]
+    return [
+        {
+            key: literal_eval(value["repr"])
+            for key, value in plugin["groups"]["plugin"]["keys"].items()
+        }
+        for plugin in plugins
+    ]
+
+
+def rqt_plot_topics() -> list[str]:
+    return [plot["topics"] for plot in rqt_plots()]
 
 
 def of_joint_state(topic: Topic, field: str) -> None:
@@ -98,19 +119,41 @@ def test_foxglove_names_topics_and_fields(path):
         of_joint_state(topic, parts[0].partition("[")[0])
 
 
-@pytest.mark.parametrize("argument", rqt_plot_arguments())
-def test_rqt_plot_names_topics_and_fields(argument):
-    _, name, *parts = argument.split("/")
+@pytest.mark.parametrize("name", rqt_plot_topics())
+def test_rqt_plot_names_topics_and_fields(name):
+    _, name, *parts = name.split("/")
     topic = TOPICS[f"/{name}"]
-    assert topic.reliable, "rqt_plot subscribes reliably"
+    assert topic.message_type == JOINT_STATE, "what has no stamp is at another place of its axis"
     assert field_type(topic.message_type, parts) in NUMBERS
     of_joint_state(topic, parts[0].partition("[")[0])
 
 
+def test_rqt_plot_starts_from_limits_narrower_than_the_data():
+    heights = {}
+    for plot in rqt_plots():
+        low, high = map(float, plot["y_limits"])
+        heights[plot["topics"].split("/")[1]] = high - low
+    assert 0 < heights["measurement"] < 0.02, "it widens limits, and narrows none: steps are 5 mm"
+    assert 0 < heights["backlash_estimate"] < 0.02, "the gap begins at 0 rad"
+    assert 0 < heights["command"] < 10
+
+
 def test_every_tool_shows_position_voltage_and_estimate():
-    for names in (plotjuggler_curves(), foxglove_paths(), rqt_plot_arguments()):
+    for names in (plotjuggler_curves(), foxglove_paths(), rqt_plot_topics()):
         shown = {re.split(r"[/.]", name.removeprefix("/"))[0] for name in names}
-        assert {"measurement", "reference", "command", "backlash_estimate"} <= shown
+        assert {"measurement", "command", "backlash_estimate"} <= shown
+
+
+def test_no_tool_draws_a_ramp_between_two_steps_of_the_reference():
+    (plot,) = (
+        plot
+        for plot in plotjuggler_layout().iter("plot")
+        if any(f"/{REFERENCE.name}/" in curve.attrib["name"] for curve in plot.iter("curve"))
+    )
+    assert plot.attrib["style"] == "Steps"
+    (path,) = (path for path in foxglove_series() if path["value"].startswith("/reference."))
+    assert path["showLine"] is False
+    assert not any(name.startswith("/reference/") for name in rqt_plot_topics())
 
 
 def test_the_element_of_the_truth_is_the_gap():
@@ -125,6 +168,13 @@ def test_foxglove_shows_every_panel_once():
 
     layout = foxglove_layout()
     assert sorted(leaves(layout["layout"])) == sorted(layout["configById"])
+
+
+@pytest.mark.parametrize("panel", foxglove_layout()["configById"])
+def test_foxglove_and_its_open_fork_find_each_title(panel):
+    config = foxglove_layout()["configById"][panel]
+    assert config["foxglovePanelTitle"]
+    assert config["lichtblickPanelTitle"] == config["foxglovePanelTitle"]
 
 
 def test_plotjuggler_has_as_many_plots_as_it_says():
