@@ -150,7 +150,7 @@ def test_no_tool_draws_a_ramp_between_two_steps_of_the_reference():
         for plot in plotjuggler_layout().iter("plot")
         if any(f"/{REFERENCE.name}/" in curve.attrib["name"] for curve in plot.iter("curve"))
     )
-    assert plot.attrib["style"] == "Steps"
+    assert plot.attrib["style"] == "StepsInv", "Steps of PlotJuggler come one message too early"
     (path,) = (path for path in foxglove_series() if path["value"].startswith("/reference."))
     assert path["showLine"] is False
     assert not any(name.startswith("/reference/") for name in rqt_plot_topics())
