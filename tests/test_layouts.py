@@ -12,11 +12,13 @@ from rosbags.typesys import Stores, get_typestore
 
 from bdt_msgs_py.topics import (
     ALL_TOPICS,
+    BACKLASH_ESTIMATE,
     COMMAND,
     DEAD_ZONE_PARAMETER,
     GAP_JOINT,
     JOINT_STATE,
     MOTOR_JOINT,
+    PARAMETER_EVENTS,
     PLATFORM_JOINT,
     REFERENCE,
     TRUTH,
@@ -144,16 +146,21 @@ def test_every_tool_shows_position_voltage_and_estimate():
         assert {"measurement", "command", "backlash_estimate"} <= shown
 
 
-def test_no_tool_draws_a_ramp_between_two_steps_of_the_reference():
+@pytest.mark.parametrize("topic", [REFERENCE, BACKLASH_ESTIMATE, PARAMETER_EVENTS])
+def test_no_tool_joins_messages_that_hold_until_the_next_one_by_a_ramp(topic):
+    name = topic.name.removeprefix("/")
     (plot,) = (
         plot
         for plot in plotjuggler_layout().iter("plot")
-        if any(f"/{REFERENCE.name}/" in curve.attrib["name"] for curve in plot.iter("curve"))
+        if any(curve.attrib["name"].startswith(f"/{name}/") for curve in plot.iter("curve"))
     )
-    assert plot.attrib["style"] == "StepsInv", "Steps of PlotJuggler come one message too early"
-    (path,) = (path for path in foxglove_series() if path["value"].startswith("/reference."))
-    assert path["showLine"] is False
-    assert not any(name.startswith("/reference/") for name in rqt_plot_topics())
+    assert plot.attrib["style"] == "StepsInv", "its Steps show a message from the one before on"
+    (series,) = (series for series in foxglove_series() if series["value"].startswith(f"/{name}."))
+    assert series["showLine"] is False
+
+
+def test_rqt_plot_which_has_lines_only_leaves_the_steps_of_the_reference_out():
+    assert not any(name.startswith(f"/{REFERENCE.name}/") for name in rqt_plot_topics())
 
 
 def test_the_element_of_the_truth_is_the_gap():
