@@ -95,7 +95,7 @@ def test_the_verdict_tells_the_error_where_stated_apart_from_the_shortfall(analy
     estimate = replace(summary.estimate, **{key: np.deg2rad(x) for key, x in degrees.items()})
     assert (
         "; gap estimates off by 0.030° at worst, 0.007° rms, at the times for which they are "
-        "stated; until the next one came up to 4.03° short of the gap."
+        "stated, and outgrown by up to 4.03° until the next one came."
     ) in verdict(replace(summary, estimate=estimate)).details
     report = (output / "report.html").read_text(encoding="utf-8")
     assert "gap error where stated, largest" in report

@@ -89,8 +89,8 @@ def _details(summary: Summary) -> list[str]:
         parts.append(
             f"gap estimates off by {math.degrees(errors.stated_max_error_rad):.3f}° at worst, "
             f"{math.degrees(errors.stated_rms_error_rad):.3f}° rms, at the times for "
-            "which they are stated; until the next one came up to "
-            f"{math.degrees(errors.max_shortfall_rad or 0.0):.2f}° short of the gap"
+            "which they are stated, and outgrown by up to "
+            f"{math.degrees(errors.max_shortfall_rad or 0.0):.2f}° until the next one came"
         )
     else:
         parts.append("gap error unknown: the bag lacks truth or estimates")
