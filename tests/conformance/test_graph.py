@@ -139,6 +139,7 @@ def test_a_node_of_another_process_appears_and_disappears(ros, node):
         peer.stdout.readline()
         assert node.wait_for_node("/far/peer", 5)
         assert ("peer", "/far") in node.get_node_names_and_namespaces()
+        assert ("peer", "/far", "/") in node.get_node_names_and_namespaces_with_enclaves()
         info = one_info(ros, node.get_publishers_info_by_topic, "/far/out")
         assert (info.node_name, info.node_namespace) == ("peer", "/far")
         peer.stdin.close()

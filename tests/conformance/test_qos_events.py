@@ -220,3 +220,12 @@ def test_callbacks_are_given_by_name():
         PublisherEventCallbacks(print)
     with pytest.raises(TypeError):
         SubscriptionEventCallbacks(nonsense=print)
+
+
+def test_callbacks_for_incompatible_types_are_taken(node):
+    callback = lambda event: None  # noqa: E731
+    publisher = PublisherEventCallbacks(incompatible_type=callback)
+    subscription = SubscriptionEventCallbacks(incompatible_type=callback)
+    assert publisher.incompatible_type is subscription.incompatible_type is callback
+    node.create_publisher(Float64, "x", 1, event_callbacks=publisher)
+    node.create_subscription(Float64, "x", print, 1, event_callbacks=subscription)

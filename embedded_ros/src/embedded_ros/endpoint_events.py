@@ -22,6 +22,7 @@ __all__ = [
     "SUBSCRIPTION_MATCHED",
     "EndpointEvents",
     "IncompatibleQoS",
+    "IncompatibleType",
     "LivelinessChanged",
     "LivelinessLost",
     "Matched",
@@ -54,6 +55,10 @@ class LivelinessLost(_Counted):
 
 class MessageLost(_Counted):
     """Messages did not reach a subscription."""
+
+
+class IncompatibleType(_Counted):
+    """A topic has another type elsewhere; like ``rmw_cyclonedds`` we never tell."""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ __all__ = [
     "RCLInvalidROSArgsError",
     "RMWError",
     "UnknownROSArgsError",
+    "UnsupportedEventTypeError",
 ]
 
 
@@ -37,3 +38,7 @@ class InvalidHandle(RuntimeError):
         self, text: str = "cannot use Destroyable because destruction was requested"
     ) -> None:
         super().__init__(text)
+
+
+class UnsupportedEventTypeError(RCLError):
+    """An event that the middleware does not know."""

@@ -51,6 +51,10 @@ class NodeGraph:
         """Names and namespaces of all nodes."""
         return [(node.name, node.namespace) for node in self._session.graph.nodes()]
 
+    def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
+        """Names, namespaces and security enclaves of all nodes; without security ``/``."""
+        return [(node.name, node.namespace, "/") for node in self._session.graph.nodes()]
+
     def get_fully_qualified_node_names(self) -> list[str]:
         """Namespaces and names of all nodes, joined."""
         return [join(node.namespace, node.name) for node in self._session.graph.nodes()]

@@ -7,6 +7,7 @@ A program calls :func:`init`, makes nodes (:func:`create_node` or a subclass of
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from rclpy.context import Context
@@ -42,6 +43,19 @@ __all__ = [
     "spin_until_future_complete",
     "try_shutdown",
 ]
+
+
+# Here without being imported by the program, as in rclpy, where it costs no time to load them.
+_FOUND_IN = {"Future": "rclpy.task", "Parameter": "rclpy.parameter"}
+_MODULES = ("guard_condition", "impl", "parameter", "task")
+
+
+def __getattr__(name: str) -> Any:
+    if name in _FOUND_IN:
+        return getattr(import_module(_FOUND_IN[name]), name)
+    if name in _MODULES:
+        return import_module(f"rclpy.{name}")
+    raise AttributeError(f"module 'rclpy' has no attribute {name!r}")
 
 
 def init(

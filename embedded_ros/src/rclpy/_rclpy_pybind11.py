@@ -7,6 +7,7 @@ from embedded_ros.errors import (
     RCLInvalidROSArgsError,
     RMWError,
     UnknownROSArgsError,
+    UnsupportedEventTypeError,
 )
 
 __all__ = [
@@ -16,4 +17,5 @@ __all__ = [
     "RCLInvalidROSArgsError",
     "RMWError",
     "UnknownROSArgsError",
+    "UnsupportedEventTypeError",
 ]

@@ -7,16 +7,19 @@ from typing import Any
 
 from embedded_ros import endpoint_events
 from embedded_ros.endpoint_events import IncompatibleQoS as QoSRequestedIncompatibleQoSInfo
+from embedded_ros.endpoint_events import IncompatibleType as IncompatibleTypeInfo
 from embedded_ros.endpoint_events import LivelinessChanged as QoSLivelinessChangedInfo
 from embedded_ros.endpoint_events import LivelinessLost as QoSLivelinessLostInfo
 from embedded_ros.endpoint_events import Matched as QoSPublisherMatchedInfo
 from embedded_ros.endpoint_events import MessageLost as QoSMessageLostInfo
 from embedded_ros.endpoint_events import OfferedDeadlineMissed as QoSOfferedDeadlineMissedInfo
 from embedded_ros.endpoint_events import RequestedDeadlineMissed as QoSRequestedDeadlineMissedInfo
+from embedded_ros.errors import UnsupportedEventTypeError
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.qos import qos_policy_name_from_kind
 
 __all__ = [
+    "IncompatibleTypeInfo",
     "PublisherEventCallbacks",
     "QoSLivelinessChangedInfo",
     "QoSLivelinessLostInfo",
@@ -28,6 +31,7 @@ __all__ = [
     "QoSRequestedIncompatibleQoSInfo",
     "QoSSubscriptionMatchedInfo",
     "SubscriptionEventCallbacks",
+    "UnsupportedEventTypeError",
 ]
 
 QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
@@ -48,6 +52,8 @@ class SubscriptionEventCallbacks:
     liveliness : callable, optional
         The liveliness of a publisher changed.
     message_lost : callable, optional
+    incompatible_type : callable, optional
+        A publisher of another type was found. Cyclone DDS never calls it.
     matched : callable, optional
         A publisher was found or went away.
     use_default_callbacks : bool
@@ -60,6 +66,7 @@ class SubscriptionEventCallbacks:
         incompatible_qos: Callable[[QoSRequestedIncompatibleQoSInfo], Any] | None = None,
         liveliness: Callable[[QoSLivelinessChangedInfo], Any] | None = None,
         message_lost: Callable[[QoSMessageLostInfo], Any] | None = None,
+        incompatible_type: Callable[[IncompatibleTypeInfo], Any] | None = None,
         matched: Callable[[QoSSubscriptionMatchedInfo], Any] | None = None,
         use_default_callbacks: bool = True,
     ) -> None:
@@ -67,6 +74,7 @@ class SubscriptionEventCallbacks:
         self.incompatible_qos = incompatible_qos
         self.liveliness = liveliness
         self.message_lost = message_lost
+        self.incompatible_type = incompatible_type
         self.matched = matched
         self.use_default_callbacks = use_default_callbacks
 
@@ -101,6 +109,8 @@ class PublisherEventCallbacks:
         The publisher did not assert its liveliness in time.
     incompatible_qos : callable, optional
         A subscription with incompatible QoS was found; by default a warning is logged.
+    incompatible_type : callable, optional
+        A subscription of another type was found. Cyclone DDS never calls it.
     matched : callable, optional
         A subscription was found or went away.
     use_default_callbacks : bool
@@ -112,12 +122,14 @@ class PublisherEventCallbacks:
         deadline: Callable[[QoSOfferedDeadlineMissedInfo], Any] | None = None,
         liveliness: Callable[[QoSLivelinessLostInfo], Any] | None = None,
         incompatible_qos: Callable[[QoSOfferedIncompatibleQoSInfo], Any] | None = None,
+        incompatible_type: Callable[[IncompatibleTypeInfo], Any] | None = None,
         matched: Callable[[QoSPublisherMatchedInfo], Any] | None = None,
         use_default_callbacks: bool = True,
     ) -> None:
         self.deadline = deadline
         self.liveliness = liveliness
         self.incompatible_qos = incompatible_qos
+        self.incompatible_type = incompatible_type
         self.matched = matched
         self.use_default_callbacks = use_default_callbacks
 

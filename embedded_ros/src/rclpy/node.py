@@ -5,6 +5,12 @@ from __future__ import annotations
 import weakref
 from typing import TYPE_CHECKING, Any
 
+# Programs that make a node find these as rclpy.executors and so on without importing them.
+import rclpy.executors
+import rclpy.expand_topic_name
+import rclpy.logging_service
+import rclpy.validate_full_topic_name
+import rclpy.validate_topic_name  # noqa: F401
 from embedded_ros.entity_creation import EntityCreation
 from embedded_ros.names import join
 from embedded_ros.node_graph import NodeGraph

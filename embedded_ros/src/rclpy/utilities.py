@@ -9,6 +9,7 @@ from rclpy.constants import S_TO_NS
 from rclpy.context import Context
 
 __all__ = [
+    "get_available_rmw_implementations",
     "get_default_context",
     "get_rmw_implementation_identifier",
     "ok",
@@ -71,6 +72,11 @@ def try_shutdown(*, context: Context | None = None) -> None:
 def get_rmw_implementation_identifier() -> str:
     """Name of the wire protocol's implementation, of which this is a speaker."""
     return "rmw_cyclonedds_cpp"
+
+
+def get_available_rmw_implementations() -> set[str]:
+    """Names of the implementations to choose from."""
+    return {get_rmw_implementation_identifier()}
 
 
 def timeout_sec_to_nsec(timeout_sec: float | None) -> int:
