@@ -7,11 +7,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bdt_bringup.bag_writing.durable_folder import create_folder, sync_folder
 from bdt_bringup.bag_writing.metadata_file import (
     UNFINISHED,
     FileSpan,
     describe_bag,
-    sync_folder,
     write_metadata,
 )
 from bdt_bringup.bag_writing.recorded_topic import BagWriteError, Message, RecordedTopic
@@ -71,7 +71,9 @@ class BagFiles:
             package = NEEDS.get(choice)
             if package is not None and find_spec(package) is None:
                 raise BagWriteError(f"{choice} needs the Python package {package}")
-        folder.mkdir(parents=True)
+        create_folder(folder.parent)
+        folder.mkdir()
+        sync_folder(folder.parent)
         self.folder = folder
         self.storage = storage
         self.topics: list[RecordedTopic] = []
