@@ -14,6 +14,7 @@ import apsw
 import numpy as np
 
 SECTOR = 512
+MOVE_CUTS = 20
 FOLDER = b"a folder"
 VFS_NAME = "losing_disk"
 
@@ -56,12 +57,16 @@ class LosingDisk:
         self._unsafe.append((old, new, number))
         if new is not None:
             self._names[new] = number
-        self._changed()
+        # Moves are few, and each may survive without those before it.
+        for _ in range(MOVE_CUTS):
+            self._changed()
 
     def synced(self, path: Path) -> None:
         """Take down that a file or a folder was synced."""
         if path.is_dir():
-            own = [entry for entry in self._unsafe if path in {one and one.parent for one in entry[:2]}]
+            own = [
+                entry for entry in self._unsafe if path in {one and one.parent for one in entry[:2]}
+            ]
             self._unsafe = [entry for entry in self._unsafe if entry not in own]
             _apply(own, self._safe_names)
         elif path in self._names:
@@ -106,7 +111,9 @@ def _apply(entries: list[tuple[Path | None, Path | None, int]], names: dict[Path
 @contextmanager
 def watched(disk: LosingDisk, monkeypatch) -> Iterator[None]:
     """Tell the disk what the recorder does through ``os`` and through sqlite."""
-    real = {name: getattr(os, name) for name in ("pwrite", "ftruncate", "mkdir", "fsync")}
+    real = {
+        name: getattr(os, name) for name in ("pwrite", "ftruncate", "mkdir", "replace", "unlink")
+    }
 
     def observed(name):
         def call(*arguments, **options):
@@ -118,17 +125,12 @@ def watched(disk: LosingDisk, monkeypatch) -> Iterator[None]:
 
     def sync(descriptor):
         disk.look()
-        disk.synced(Path(os.readlink(f"/proc/self/fd/{descriptor}")))
+        disk.synced(Path(f"/proc/self/fd/{descriptor}").readlink())
 
-    def replace(old, new):
+    def move(old, new=None):
         disk.look()
-        os.rename(old, new)
-        disk.move(Path(old), Path(new))
-
-    def unlink(path):
-        disk.look()
-        os.remove(path)
-        disk.move(Path(path), None)
+        real["replace" if new else "unlink"](*([old, new] if new else [old]))
+        disk.move(Path(old), new and Path(new))
 
     vfs = _WatchedSqlite(disk)
     with monkeypatch.context() as patches:
@@ -136,8 +138,8 @@ def watched(disk: LosingDisk, monkeypatch) -> Iterator[None]:
             patches.setattr(os, name, observed(name))
         patches.setattr(os, "fsync", sync)
         patches.setattr(os, "fdatasync", sync)
-        patches.setattr(os, "replace", replace)
-        patches.setattr(os, "unlink", unlink)
+        patches.setattr(os, "replace", move)
+        patches.setattr(os, "unlink", move)
         patches.setattr("bdt_bringup.bag_writing.sqlite_file.sqlite3.connect", _Connection)
         yield
     vfs.unregister()

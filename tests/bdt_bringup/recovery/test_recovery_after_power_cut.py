@@ -8,6 +8,7 @@ import pytest
 from rosbags.rosbag2 import Reader
 
 from bdt_bringup.bag_writing.bag_files import BagFiles
+from bdt_bringup.bag_writing.metadata_file import METADATA_NAME
 from bdt_bringup.bag_writing.recorded_topic import Message, recorded_topic
 from bdt_bringup.bags.bag_error import BagError
 from bdt_bringup.recovery.recover_bag import recover_bag
@@ -19,7 +20,7 @@ KINDS = {
     "sqlite3": {"storage": "sqlite3"},
     "sqlite3, split, zstd": {"storage": "sqlite3", "split_size": 60_000, "compression": "zstd"},
 }
-CUTS = 30
+CUTS = 15
 COMMITS = 12
 COMMIT_MESSAGES = 8
 NAMES = ("/even", "/odd")
@@ -39,7 +40,7 @@ def content(number: int) -> bytes:
     return np.random.default_rng(number).bytes(8 + number * 7919 % 5000)
 
 
-def record(folder: Path, choice: np.random.Generator, promise, options) -> None:
+def record(folder: Path, choice: np.random.Generator, promise, end, options) -> None:
     """Write a bag and tell after each sync how many messages it is to keep."""
     bag = BagFiles(folder, **options)
     bag.add_topic(recorded_topic(NAMES[0], "std_msgs/msg/String", ""))
@@ -52,61 +53,72 @@ def record(folder: Path, choice: np.random.Generator, promise, options) -> None:
             bag.append([Message(topic, 1000 + count, 1000 + count, content(count))])
             count += 1
         bag.commit()
-        # The disk may be slower than the commits come.
-        if choice.random() < 0.6:
+        # The disk may be slower than the commits come; the last is left to the end of the bag.
+        if choice.random() < 0.6 and commit < COMMITS - 1:
             bag.sync()
             promise(count)
-    bag.close()
+    end(bag)
     promise(count)
 
 
-def recovered(source: Path) -> list[int]:
-    """Return the numbers of the messages in what was recovered, after comparing their content."""
-    numbers = []
-    with Reader(recover_bag(source).output) as reader:
+def numbers(bag: Path) -> list[int]:
+    """Return the numbers of the messages in a bag, after comparing their content."""
+    found = []
+    with Reader(bag) as reader:
         for _, received, data in reader.messages():
-            numbers.append(received - 1000)
-            assert data == content(numbers[-1])
-    return numbers
+            found.append(received - 1000)
+            assert data == content(found[-1])
+    return found
 
 
+def claims_to_be_whole(remains: dict[Path, bytes]) -> bool:
+    """Tell whether there are metadata that do not say that the bag is unfinished."""
+    texts = [data for path, data in remains.items() if path.name == METADATA_NAME]
+    return any(b"recording: unfinished" not in text for text in texts)
+
+
+def copy(remains: dict[Path, bytes], root: Path, target: Path) -> Path:
+    """Write what is left below a folder, and return where the bag is or should be."""
+    for path, data in remains.items():
+        place = target / path.relative_to(root)
+        place.parent.mkdir(exist_ok=True, parents=True)
+        if path != root / "bag":
+            place.write_bytes(data)
+    return target / "bag"
+
+
+@pytest.mark.parametrize("end", [BagFiles.close, BagFiles.abandon])
 @pytest.mark.parametrize("kind", KINDS)
 def test_all_that_was_synced_before_the_power_cut_is_recovered_byte_for_byte(
-    tmp_path, monkeypatch, losing_disk, kind
+    tmp_path, monkeypatch, losing_disk, kind, end
 ):
     choice = np.random.default_rng(sum(kind.encode()))
-    promised, steps = 0, 0
+    promised = 0
     states = []
 
     def promise(count):
         nonlocal promised
         promised = count
 
-    def cut():
-        nonlocal steps
-        steps += 1
-        states.append((promised, disk.remains(choice)))
-
-    bag = tmp_path / "recorder" / "bag"
-    bag.parent.mkdir()
-    disk = losing_disk.LosingDisk(bag.parent, cut)
+    root = tmp_path / "recorder"
+    root.mkdir()
+    disk = losing_disk.LosingDisk(root, lambda: states.append((promised, disk.remains(choice))))
     with losing_disk.watched(disk, monkeypatch):
-        record(bag, choice, promise, KINDS[kind])
+        record(root / "bag", choice, promise, end, KINDS[kind])
+        disk.look()
     assert promised == COMMITS * COMMIT_MESSAGES
-    for number in [*choice.choice(steps - 1, CUTS - 1, replace=False), steps - 1]:
+    last = len(states) - 1
+    for number in [*choice.choice(last, CUTS, replace=False), last]:
         promised, remains = states[number]
+        bag = copy(remains, root, tmp_path / f"cut{number}")
         found = []
-        rest = tmp_path / f"cut{number}"
-        for path, data in remains.items():
-            copy = rest / path.relative_to(bag.parent)
-            if data == losing_disk.FOLDER:
-                copy.mkdir(exist_ok=True, parents=True)
-            else:
-                copy.parent.mkdir(exist_ok=True, parents=True)
-                copy.write_bytes(data)
         try:
-            found = recovered(rest / "bag")
+            found = numbers(recover_bag(bag).output)
         except BagError:
-            assert not promised, remains.keys()
+            assert not promised, sorted(remains)
         assert set(found) >= set(range(promised))
         assert found == sorted(set(found))
+    for number, (_, remains) in enumerate(states):
+        if claims_to_be_whole(remains):
+            bag = copy(remains, root, tmp_path / f"whole{number}")
+            assert numbers(bag) == list(range(COMMITS * COMMIT_MESSAGES))

@@ -173,10 +173,16 @@ class BagFiles:
             raise
 
     def abandon(self) -> None:
-        """Close the last file as it is; what is in it can be recovered."""
-        if self._file is not None:
-            self._file.abandon()
-            self._file = None
+        """Close the last file as it is; what is in it can be recovered, also after a power cut.
+
+        Raises
+        ------
+        BagWriteError
+            If the disk refuses even that.
+        """
+        file, self._file = self._file, None
+        if file is not None:
+            file.abandon()
 
     @property
     def _current(self) -> "McapFile | SqliteFile":
@@ -263,6 +269,8 @@ class BagFiles:
                 compressed.unlink(missing_ok=True)
                 raise BagWriteError(error.strerror) from error
             span.name = compressed.name
+        # The names must be on the disk before the metadata that refer to them.
+        self._sync_folder()
         self._write_metadata(custom, "zstd")
         for original in originals:
             original.unlink()
