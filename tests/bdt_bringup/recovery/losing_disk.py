@@ -6,16 +6,18 @@ contents that were written to it, or zeros, and each name may be missing.
 """
 
 import os
+import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import apsw
 import numpy as np
 
 SECTOR = 512
-MOVE_CUTS = 20
-FOLDER = b"a folder"
+RENAME_CUTS = 10
+"""Times that the power is cut after a file was renamed."""
 VFS_NAME = "losing_disk"
 
 
@@ -35,6 +37,7 @@ class LosingDisk:
         self._changed = changed
         self._names: dict[Path, int] = {}
         self._versions: list[list[bytes]] = []
+        self._folders: set[int] = set()
         # A name that appears, goes, or replaces another: (old or None, new or None, content).
         self._safe_names: dict[Path, int] = {}
         self._unsafe: list[tuple[Path | None, Path | None, int]] = []
@@ -45,7 +48,9 @@ class LosingDisk:
             if path not in self._names:
                 self._names[path] = len(self._versions)
                 self._unsafe.append((None, path, len(self._versions)))
-                self._versions.append([FOLDER if path.is_dir() else b""])
+                self._versions.append([b""])
+                if path.is_dir():
+                    self._folders.add(len(self._versions) - 1)
             versions = self._versions[self._names[path]]
             if not path.is_dir() and (content := path.read_bytes()) != versions[-1]:
                 versions.append(content)
@@ -57,8 +62,8 @@ class LosingDisk:
         self._unsafe.append((old, new, number))
         if new is not None:
             self._names[new] = number
-        # Moves are few, and each may survive without those before it.
-        for _ in range(MOVE_CUTS):
+        # Renames are few, and each may survive without the names before it.
+        for _ in range(1 if new is None else RENAME_CUTS):
             self._changed()
 
     def synced(self, path: Path) -> None:
@@ -75,7 +80,7 @@ class LosingDisk:
         self._changed()
 
     def remains(self, choice: np.random.Generator) -> dict[Path, bytes]:
-        """Return one of the states that a power cut may leave: contents by path."""
+        """Return one of the states that a power cut may leave: contents of files by path."""
         names = dict(self._safe_names)
         luck = choice.choice([0.0, 0.5, 1.0])
         _apply([entry for entry in self._unsafe if choice.random() < luck], names)
@@ -83,7 +88,8 @@ class LosingDisk:
         return {
             path: self._content(number, luck, choice)
             for path, number in names.items()
-            if path.parent == self._root or path.parent in names
+            if number not in self._folders
+            and all(one in names for one in path.parents if self._root in one.parents)
         }
 
     def _content(self, number: int, luck: float, choice: np.random.Generator) -> bytes:
@@ -140,9 +146,25 @@ def watched(disk: LosingDisk, monkeypatch) -> Iterator[None]:
         patches.setattr(os, "fdatasync", sync)
         patches.setattr(os, "replace", move)
         patches.setattr(os, "unlink", move)
-        patches.setattr("bdt_bringup.bag_writing.sqlite_file.sqlite3.connect", _Connection)
+        patches.setattr(sqlite3, "connect", _Connection)
         yield
     vfs.unregister()
+
+
+@contextmanager
+def without_syncs(monkeypatch) -> Iterator[None]:
+    """Spare the real disk: what is written here need not survive."""
+    connect = sqlite3.connect
+    with monkeypatch.context() as patches:
+        patches.setattr(os, "fsync", lambda _: None)
+        patches.setattr(os, "fdatasync", lambda _: None)
+        patches.setattr(sqlite3, "connect", partial(connect, factory=_HastyConnection))
+        yield
+
+
+class _HastyConnection(sqlite3.Connection):
+    def execute(self, statement, *arguments):
+        return super().execute(statement.replace("= EXTRA", "= OFF"), *arguments)
 
 
 class _Connection:
