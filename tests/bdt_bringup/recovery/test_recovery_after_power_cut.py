@@ -121,6 +121,7 @@ def test_all_that_was_synced_before_the_power_cut_is_recovered_byte_for_byte(
             assert not promised, sorted(remains)
         assert set(found) >= set(range(promised))
         assert found == sorted(set(found))
+    # Whatever survives of the end, a bag that claims to be whole must be.
     whole = {number for number, (_, remains) in enumerate(states) if claims_to_be_whole(remains)}
     assert whole >= set(last if end is BagFiles.close else ())
     for number in whole:
