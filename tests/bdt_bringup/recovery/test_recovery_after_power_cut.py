@@ -20,9 +20,9 @@ KINDS = {
     "sqlite3": {"storage": "sqlite3"},
     "sqlite3, split, zstd": {"storage": "sqlite3", "split_size": 50_000, "compression": "zstd"},
 }
-CUTS = 10
-LAST_CUTS = 5
-COMMITS = 12
+CUTS = 8
+LAST_CUTS = 4
+COMMITS = 10
 COMMIT_MESSAGES = 5
 NAMES = ("/even", "/odd")
 PLACE = "new/folder/bag"
