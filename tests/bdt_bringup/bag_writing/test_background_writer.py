@@ -1,5 +1,6 @@
 """Whoever records never waits for the disk, loses little in a crash and is told what is lost."""
 
+import errno
 import os
 import resource
 import threading
@@ -100,6 +101,66 @@ def test_what_was_committed_is_carried_to_the_disk_itself(begin, tmp_path, monke
         writer.write(topic, number, data(number))
         wait_until(lambda number=number: writer.message_count == number + 1)
         wait_until(lambda: synced and synced[-1] == file.stat().st_size)
+
+
+def test_a_sync_that_failed_is_told_and_tried_again(begin, monkeypatch):
+    refusing = threading.Event()
+    synced = threading.Event()
+    real = os.fdatasync
+
+    def sync(descriptor):
+        if refusing.is_set():
+            raise OSError(errno.EIO, "Input/output error")
+        real(descriptor)
+        synced.set()
+
+    refusing.set()
+    monkeypatch.setattr(mcap_file.os, "fdatasync", sync)
+    writer, _, reports = begin()
+    wait_until(lambda: writer.trouble == "Input/output error")
+    refusing.clear()
+    wait_until(synced.is_set)
+    wait_until(lambda: not writer.trouble)
+    assert len(reports) == 2
+    refusing.set()
+    wait_until(lambda: writer.trouble)
+    refusing.clear()
+    wait_until(lambda: not writer.trouble)
+
+
+def test_trouble_lasts_as_long_as_syncs_fail(begin, monkeypatch):
+    failures = []
+
+    def sync(_):
+        failures.append(time.monotonic())
+        raise OSError(errno.EIO, "Input/output error")
+
+    with monkeypatch.context() as patches:
+        patches.setattr(mcap_file.os, "fdatasync", sync)
+        _, _, reports = begin()
+        wait_until(lambda: len(failures) > 4)
+    assert len(reports) == 1
+
+
+def test_a_last_sync_that_failed_is_told(begin, monkeypatch):
+    entered, released = threading.Event(), threading.Event()
+
+    def sync(_):
+        entered.set()
+        assert released.wait(DEADLINE)
+        raise OSError(errno.EIO, "Input/output error")
+
+    writer, _, reports = begin()
+    with monkeypatch.context() as patches:
+        patches.setattr(mcap_file.os, "fdatasync", sync)
+        wait_until(entered.is_set)
+        ending = threading.Thread(target=writer.close, args=[{}])
+        ending.start()
+        wait_until(lambda: not writer._thread.is_alive())
+        patches.undo()
+        released.set()
+        ending.join(DEADLINE)
+    assert len(reports) == 1
 
 
 def test_writing_does_not_wait_while_the_disk_does(begin, monkeypatch):

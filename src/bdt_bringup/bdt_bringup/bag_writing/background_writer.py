@@ -114,6 +114,11 @@ class BackgroundWriter:
         self._wake.set()
         self._thread.join()
         self._sync_thread.shutdown()
+        unsynced = self._sync.exception() if self._sync is not None else None
+        if isinstance(unsynced, BagWriteError):
+            self._tell_trouble(unsynced)
+        elif unsynced is not None and self._failure is None:
+            self._failure = unsynced
         if self._failure is not None:
             self._files.abandon()
             raise self._failure
@@ -143,12 +148,7 @@ class BackgroundWriter:
             self._files.commit()
             self._sync_in_background()
         except BagWriteError as error:
-            if not self._trouble:
-                self._report(
-                    f"cannot write {self._files.folder}: {error}: what is recorded so far is kept, "
-                    "what comes is kept in memory as long as possible, then dropped"
-                )
-            self._trouble = str(error)
+            self._tell_trouble(error)
         else:
             if self._trouble:
                 self._report(
@@ -157,12 +157,23 @@ class BackgroundWriter:
                 )
             self._trouble = ""
 
+    def _tell_trouble(self, error: BagWriteError) -> None:
+        if not self._trouble:
+            self._report(
+                f"cannot write {self._files.folder}: {error}: what is recorded so far is kept, "
+                "what comes is kept in memory as long as possible, then dropped"
+            )
+        self._trouble = str(error)
+
     def _sync_in_background(self) -> None:
-        if self._sync is not None:
-            if not self._sync.done():
-                return
-            self._sync.result()
+        """Begin a sync if none is under way, and raise what the one before has met."""
+        before = self._sync
+        # Trouble is over only when a sync says so.
+        if before is not None and not before.done() and not self._trouble:
+            return
         self._sync = self._sync_thread.submit(self._files.sync)
+        if before is not None:
+            before.result()
 
     def _take_queue(self) -> list[Message]:
         with self._lock:

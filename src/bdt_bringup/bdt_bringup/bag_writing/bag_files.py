@@ -7,11 +7,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bdt_bringup.bag_writing.durable_folder import create_folder, sync_folder
 from bdt_bringup.bag_writing.metadata_file import (
     UNFINISHED,
     FileSpan,
     describe_bag,
-    sync_folder,
     write_metadata,
 )
 from bdt_bringup.bag_writing.recorded_topic import BagWriteError, Message, RecordedTopic
@@ -71,7 +71,9 @@ class BagFiles:
             package = NEEDS.get(choice)
             if package is not None and find_spec(package) is None:
                 raise BagWriteError(f"{choice} needs the Python package {package}")
-        folder.mkdir(parents=True)
+        create_folder(folder.parent)
+        folder.mkdir()
+        sync_folder(folder.parent)
         self.folder = folder
         self.storage = storage
         self.topics: list[RecordedTopic] = []
@@ -171,10 +173,16 @@ class BagFiles:
             raise
 
     def abandon(self) -> None:
-        """Close the last file as it is; what is in it can be recovered."""
-        if self._file is not None:
-            self._file.abandon()
-            self._file = None
+        """Close the last file as it is; what is in it can be recovered, also after a power cut.
+
+        Raises
+        ------
+        BagWriteError
+            If the disk refuses even that.
+        """
+        file, self._file = self._file, None
+        if file is not None:
+            file.abandon()
 
     @property
     def _current(self) -> "McapFile | SqliteFile":
@@ -261,6 +269,8 @@ class BagFiles:
                 compressed.unlink(missing_ok=True)
                 raise BagWriteError(error.strerror) from error
             span.name = compressed.name
+        # The names must be on the disk before the metadata that refer to them.
+        self._sync_folder()
         self._write_metadata(custom, "zstd")
         for original in originals:
             original.unlink()

@@ -130,9 +130,20 @@ class McapFile:
         self._close()
 
     def abandon(self) -> None:
-        """Close the file after the last whole chunk, without index and end."""
-        os.ftruncate(self._descriptor, self._whole)
-        self._close()
+        """Close the file after the last whole chunk, without index and end.
+
+        Raises
+        ------
+        BagWriteError
+            If the disk refuses; the file is closed all the same.
+        """
+        try:
+            os.ftruncate(self._descriptor, self._whole)
+            self.sync()
+        except OSError as error:
+            raise BagWriteError(error.strerror) from error
+        finally:
+            self._close()
 
     def _close(self) -> None:
         with self._open:

@@ -8,6 +8,7 @@ from typing import Any
 
 import yaml
 
+from bdt_bringup.bag_writing.durable_folder import sync_folder
 from bdt_bringup.bag_writing.recorded_topic import RecordedTopic
 
 VERSION = 9
@@ -134,15 +135,6 @@ def is_unfinished(folder: Path) -> bool:
     text = path.read_text(encoding="utf-8")
     custom_data = yaml.safe_load(text)["rosbag2_bagfile_information"]["custom_data"] or {}
     return bool(UNFINISHED.items() <= custom_data.items())
-
-
-def sync_folder(folder: Path) -> None:
-    """Make the names in a folder survive a power cut."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _profiles(text: str) -> list[Any]:

@@ -6,7 +6,6 @@ MCAP format specification, https://mcap.dev/spec: a record is an opcode (1 byte)
 content (8 bytes) and the content; a chunk holds records, with a checksum.
 """
 
-import contextlib
 import mmap
 import re
 import struct
@@ -16,19 +15,21 @@ from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
-import lz4.frame
-import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 from bdt_bringup.bag_writing.recorded_topic import Message, RecordedTopic
+from bdt_bringup.recovery.decompression import (
+    LARGEST_CHUNK,
+    decompressed_lz4,
+    decompressed_zstd,
+)
+from bdt_bringup.recovery.lost_sectors import first_lost_sector
 from bdt_bringup.recovery.salvaged import Damage
 
 MAGIC = b"\x89MCAP0\r\n"
-LARGEST_CHUNK = 1 << 30
-"""A chunk that claims to be larger than this when decompressed is taken for damaged [byte]."""
 
 _HEADER = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
@@ -37,7 +38,6 @@ _OPCODES = range(Opcode.HEADER, Opcode.DATA_END + 1)
 _CHAIN = 3
 """So many records in a row make a place in a damaged file count as the begin of a record."""
 _CANDIDATE = re.compile(rb"[\x01-\x0f].{5}\x00{3}", re.DOTALL)
-_PIECE = 1 << 16
 
 
 class _Record(NamedTuple):
@@ -50,7 +50,9 @@ class _Record(NamedTuple):
 class McapSalvage:
     """An mcap file in whatever state.
 
-    Messages in a chunk whose checksum is wrong are left out: they would be given out for true.
+    Messages in a chunk whose checksum is wrong are left out: they would be given out for true. So
+    are those without a checksum that have a sector of zeros, from the first damaged place on: after
+    a power cut, some of what was written last may have reached the disk and some not.
 
     Parameters
     ----------
@@ -78,6 +80,7 @@ class McapSalvage:
         self.compression = "none"
         self._path = path
         self._numbers: dict[int, int] = {}
+        self._doubtful = 0
         with path.open("rb") as file:
             # An empty file cannot be mapped.
             self._data: mmap.mmap | bytes = (
@@ -141,6 +144,7 @@ class McapSalvage:
     def _records(self) -> Iterator[tuple[int, bytes]]:
         """Iterate over opcode and content of all records, those in chunks included."""
         data, size = self._data, len(self._data)
+        self._doubtful = size
         position = len(MAGIC)
         if data[:position] != MAGIC:
             self.damage.note("the file does not begin as an mcap file does")
@@ -156,7 +160,8 @@ class McapSalvage:
             elif record.end > size:
                 position = self._next_record(position)
             else:
-                yield record.opcode, bytes(data[record.begin : record.end])
+                if not self._has_lost_sector(position, record.end):
+                    yield record.opcode, bytes(data[record.begin : record.end])
                 position = record.end
 
     def _record_at(self, position: int) -> _Record | None:
@@ -169,6 +174,7 @@ class McapSalvage:
     def _next_record(self, damaged: int) -> int:
         """Return where the next record begins from a damaged place on; the end for none."""
         size = len(self._data)
+        self._doubt(damaged)
         place = damaged
         for candidate in _CANDIDATE.finditer(self._data, damaged):
             if self._is_chain(candidate.start()):
@@ -180,6 +186,15 @@ class McapSalvage:
             passed = place - damaged
             self.damage.note(f"byte {damaged}: no record, {passed} bytes", passed)
         return place
+
+    def _doubt(self, damaged: int) -> None:
+        self._doubtful = min(self._doubtful, damaged)
+
+    def _has_lost_sector(self, begin: int, end: int) -> bool:
+        if begin < self._doubtful or first_lost_sector(self._data, begin, end) == end:
+            return False
+        self.damage.note(f"byte {begin}: left out: part of it never reached the disk", end - begin)
+        return True
 
     def _is_chain(self, position: int) -> bool:
         for _ in range(_CHAIN):
@@ -203,12 +218,15 @@ class McapSalvage:
             Where to go on in the file.
         """
         torn = record.end > len(self._data)
-        stored = self._data[record.begin : min(record.end, len(self._data))]
+        # Without its checksum, a torn chunk is good up to what never reached the disk.
+        end = first_lost_sector(self._data, record.begin, len(self._data)) if torn else record.end
+        stored = self._data[record.begin : end]
         place = record.begin - _HEADER.size
         try:
             chunk = self._chunk_content(stored)
         except ValueError as error:
             self.damage.note(f"byte {place}: chunk left out: {error}", 0 if torn else len(stored))
+            self._doubt(place)
             return self._next_record(record.begin) if torn else record.end
         if len(chunk.content) == chunk.length:
             damaged = bool(chunk.checksum) and zlib.crc32(chunk.content) != chunk.checksum
@@ -216,6 +234,7 @@ class McapSalvage:
             damaged = not torn
         if damaged:
             self.damage.note(f"byte {place}: chunk left out: its checksum is wrong", len(stored))
+            self._doubt(place)
             return min(record.end, len(self._data))
         position = 0
         while position + _HEADER.size <= len(chunk.content):
@@ -230,8 +249,9 @@ class McapSalvage:
         if not torn:
             return record.end
         # Records in the torn chunk itself must not be found once more.
-        taken = chunk.begin + position if chunk.plain else len(stored)
-        return self._next_record(record.begin + taken)
+        return self._next_record(
+            record.begin + chunk.begin + position if chunk.plain else len(self._data)
+        )
 
     def _chunk_content(self, stored: bytes) -> "_Chunk":
         if len(stored) < _CHUNK.size + 4:
@@ -249,7 +269,7 @@ class McapSalvage:
             self.compression = "zstd"
             content = decompressed_zstd(compressed, length)
         elif name == b"lz4":
-            content = _decompressed_lz4(compressed, length)
+            content = decompressed_lz4(compressed, length)
         else:
             raise ValueError(f"its compression {name!r} is not known")
         return _Chunk(content, length, checksum, begin, False)
@@ -263,30 +283,3 @@ class _Chunk(NamedTuple):
     checksum: int
     begin: int
     plain: bool
-
-
-def decompressed_zstd(data: bytes, limit: int) -> bytes:
-    """Return what a zstd frame holds, up to a limit [byte] and up to where it is damaged."""
-    content = bytearray()
-    # What comes before the damage is good; the caller compares length and checksum.
-    with (
-        zstandard.ZstdDecompressor().stream_reader(BytesIO(data)) as reader,
-        contextlib.suppress(zstandard.ZstdError),
-    ):
-        while len(content) < limit and (piece := reader.read(min(_PIECE, limit - len(content)))):
-            content += piece
-    return bytes(content)
-
-
-def _decompressed_lz4(data: bytes, limit: int) -> bytes:
-    decompressor = lz4.frame.LZ4FrameDecompressor()
-    content = bytearray()
-    # lz4 raises RuntimeError for a damaged frame; the rest is as for zstd.
-    with contextlib.suppress(RuntimeError):
-        while len(content) < limit and not decompressor.eof:
-            piece = decompressor.decompress(data, max_length=min(_PIECE, limit - len(content)))
-            data = b""
-            if not piece and decompressor.needs_input:
-                break
-            content += piece
-    return bytes(content)

@@ -16,7 +16,8 @@ from bdt_bringup.bag_writing.bag_files import BagFiles
 from bdt_bringup.bag_writing.metadata_file import METADATA_NAME, UNFINISHED
 from bdt_bringup.bag_writing.recorded_topic import BagWriteError, Message
 from bdt_bringup.bags.bag_error import BagError, one_line
-from bdt_bringup.recovery.mcap_salvage import LARGEST_CHUNK, McapSalvage, decompressed_zstd
+from bdt_bringup.recovery.decompression import LARGEST_CHUNK, decompressed_zstd
+from bdt_bringup.recovery.mcap_salvage import McapSalvage
 from bdt_bringup.recovery.salvaged import Damage, SalvagedFile
 from bdt_bringup.recovery.sqlite_salvage import SqliteSalvage
 

@@ -10,6 +10,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
+from bdt_bringup.bag_writing.durable_folder import create_folder
 from bdt_bringup.running.configuration import BadInputError
 from bdt_bringup.running.monitor import MonitorNode
 from bdt_bringup.running.node_process import NodeProcess, stop_all
@@ -46,7 +47,7 @@ def run_loop(plan: RunPlan) -> float | None:
     KeyboardInterrupt
         After Ctrl-C or SIGTERM, when all nodes have been stopped.
     """
-    plan.output.mkdir(parents=True, exist_ok=True)
+    create_folder(plan.output)
     context = Context()
     try:
         rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
