@@ -98,20 +98,44 @@ class WindowFit:
         # Changes of growth at the knots, in multiples of their scale.
         self._changes = np.diff(np.eye(count), 2, axis=0) / (growth_change * spacing**1.5)
 
-    def solve(self, unknowns: Unknowns, iterations: int) -> Fit:
-        """Return the fit that begins at `unknowns`, after at most `iterations` steps."""
-        point = self._at(unknowns)
-        iteration = 0
-        for iteration in range(1, iterations + 1):
+    def solve(
+        self,
+        unknowns: Unknowns,
+        steps: int,
+        simulations: int = 1000,
+        *,
+        patience: int = 0,
+        enough: float = math.inf,
+    ) -> Fit:
+        """Return the fit that begins at some unknowns.
+
+        Parameters
+        ----------
+        unknowns : Unknowns
+            Where to begin.
+        steps, simulations : int
+            Largest numbers of steps, and of simulations from which on no step is begun.
+        patience : int
+            Steps after which the fit ends if its noise is larger than `enough`.
+        enough : float
+            Standard deviation of the residual's block means [m].
+        """
+        point, simulated = self._at(unknowns), 1
+        step_number = 0
+        while step_number < steps and simulated < simulations:
             settled = _noise(point.residual)
+            if step_number >= patience and settled > enough:
+                break
+            step_number += 1
             # A model that is still wrong is wrong in the transients only, which are not outliers.
             rms = math.sqrt(float(np.mean(point.residual**2)))
-            noise = max(settled, rms / 2**iteration)
+            noise = max(settled, rms / 2**step_number)
             step = self._step(point, noise)
             vector = point.unknowns.as_vector()
             before, after = self._cost(point, noise), math.inf
             for _ in range(1 + HALVINGS):
                 trial = self._at(point.unknowns.from_vector(vector + step))
+                simulated += 1
                 after = self._cost(trial, noise)
                 if after <= before:
                     break
@@ -121,7 +145,7 @@ class WindowFit:
             point = trial
             if noise < 1.2 * settled and before - after < SMALLEST_GAIN + 1e-4 * before:
                 break
-        return self._result(point, iteration)
+        return self._result(point, step_number)
 
     def _at(self, unknowns: Unknowns) -> _Point:
         runs = self._window.run(unknowns)
