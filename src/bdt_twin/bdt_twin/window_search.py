@@ -15,15 +15,15 @@ FIRST_GAPS = (8.0, 28.0, 2.0, 16.0)
 """Gaps from which a fit without a predecessor begins [deg]."""
 AGREED = 1.1
 """Ratio of the residuals below which two beginnings have led to the same fit."""
-ROUGH, FINE = 6, 10
+ROUGH, FINE = 5, 10
 """Largest numbers of steps of a fit to choose a beginning by, and of one that counts."""
 PATIENCE = 4
-"""Steps after which a prediction has to describe the data, and those left for another beginning."""
+"""Simulations after which a prediction has to describe the data."""
 MOST_SAMPLES = 1_600_000
 """Samples that a fit may simulate, which bounds the time that it takes."""
-FEWEST_SIMULATIONS = 6
-"""Simulations of a fit, however long the window is."""
-COARSE_RATE, COARSE_BLOCK_RATE = 1000.0, 50.0
+FEWEST_SIMULATIONS = 5
+"""Simulations that a fit may make, however long the window is."""
+COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
 """Lowest rates at which a beginning is chosen [Hz]: motor and structure are hardly faster."""
 WORSE = 2.0
 """Growth of the residual from window to window that makes the fit begin anew."""
@@ -68,7 +68,7 @@ def fit_window(
     followed = problem.solve(predicted, FINE, simulations, patience=PATIENCE, enough=enough)
     if followed.noise <= enough:
         return followed
-    fit = problem.solve(_best_beginning(window, growth_change), PATIENCE, FEWEST_SIMULATIONS)
+    fit = problem.solve(_best_beginning(window, growth_change), FINE, FEWEST_SIMULATIONS)
     return min(followed, fit, key=lambda each: each.noise)
 
 
@@ -79,7 +79,7 @@ def _best_beginning(window: WindowModel, growth_change: float) -> Unknowns:
     for gap in FIRST_GAPS:
         gaps = np.full(window.knots.size, math.radians(gap))
         first = Unknowns(gaps, np.zeros(len(FACTORS)), beginnings_at_rest(window))
-        fits.append(problem.solve(first, ROUGH))
+        fits.append(problem.solve(first, ROUGH, 2 * ROUGH))
         least = min(fit.noise for fit in fits)
         if sum(fit.noise < AGREED * least for fit in fits) > 1:
             break
