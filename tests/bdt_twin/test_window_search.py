@@ -7,7 +7,9 @@ import pytest
 
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel
+from bdt_twin import window_search
 from bdt_twin.model_factors import FACTORS
+from bdt_twin.output_error_fit import HALVINGS, WindowFit
 from bdt_twin.window_model import Stretch, Unknowns, WindowModel
 from bdt_twin.window_search import (
     FEWEST_SIMULATIONS,
@@ -75,25 +77,34 @@ def test_a_prediction_that_describes_the_data_is_followed(closed_loop, simulated
     assert fit.noise <= 1.001 * first.noise
 
 
-@pytest.mark.parametrize("wrong", [None, 60.0])
-def test_the_work_of_a_window_is_limited(closed_loop, simulated, wrong):
+@pytest.mark.parametrize(("wrong", "fits"), [(None, 1), (60.0, 2)])
+def test_the_work_of_a_window_is_limited(closed_loop, simulated, monkeypatch, wrong, fits):
     """A position that no model explains makes every fit go on as long as it may."""
-    loop = closed_loop(15.0, rate=10000.0)
-    window = window_of(loop, 0, 120000, 10000.0, 50)
-    walk = np.cumsum(np.random.default_rng(1).normal(scale=1e-6, size=120000))
+    monkeypatch.setattr(window_search, "MOST_SAMPLES", 12000)
+    window = window_of(closed_loop(15.0))
+    walk = np.cumsum(np.random.default_rng(1).normal(scale=1e-6, size=12000))
     stretch = window.stretches[0]
     spoiled = WindowModel(
         PlantModel(),
         [stretch._replace(position=stretch.position + walk)],
         window.knots,
-        10000.0,
-        50,
+        RATE,
+        BLOCK,
     )
     predicted = None if wrong is None else unknowns_with(window, wrong)
     fit_window(spoiled, GROWTH_CHANGE, predicted, 1e-9)
-    assert sum(simulated[10000]) <= MOST_SAMPLES + FEWEST_SIMULATIONS * 120000
+    assert len(simulated[RATE]) <= fits * FEWEST_SIMULATIONS
     # All beginnings together are tried with fewer samples than a single fit has.
     assert sum(simulated[500]) < MOST_SAMPLES
+
+
+def test_a_fit_that_is_wrong_after_its_patience_ends(closed_loop):
+    window = window_of(closed_loop(15.0))
+    problem, first = WindowFit(window, GROWTH_CHANGE), unknowns_with(window, 60.0)
+    patient = problem.solve(first, 10, 100)
+    ended = problem.solve(first, 10, 100, patience=2, enough=0.0)
+    assert ended.simulations <= 2 + HALVINGS < patient.simulations
+    assert problem.solve(first, 10, 100, patience=2, enough=1.0).noise == patient.noise
 
 
 def test_a_coarse_copy_is_the_same_mechanism(closed_loop):
