@@ -33,6 +33,16 @@ def test_normal_noise_has_no_outliers():
     assert good_samples(np.random.default_rng(3).normal(size=(4000, 25))).all()
 
 
+@pytest.mark.parametrize("samples", [5, 6, 25, 50])
+def test_outliers_are_those_beyond_twelve_median_deviations(samples):
+    residual = np.random.default_rng(4).standard_cauchy(size=(400, samples))
+    distance = np.abs(residual - np.median(residual, axis=1, keepdims=True))
+    spread = np.median(distance, axis=1, keepdims=True)
+    expected = distance <= 12.0 * np.maximum(spread, spread.mean())
+    assert not expected.all()
+    assert (good_samples(residual) == expected).all()
+
+
 def test_blocks_of_few_samples_are_not_screened():
     assert good_samples(np.array([[0.0, 0.0, 1e9, 0.0]])).all()
 

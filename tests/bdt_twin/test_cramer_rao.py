@@ -47,6 +47,15 @@ def test_the_bound_is_that_of_all_samples_and_slopes_by_differences(closed_loop)
     assert cramer_rao_bound(window, unknowns, TIME, NOISE) == pytest.approx(expected, rel=0.05)
 
 
+def test_information_is_the_sum_over_all_measurements():
+    random = np.random.default_rng(5)
+    slopes, weights = random.normal(size=(9, 300)), random.uniform(0.5, 2.0, 300)
+    for row, begin in zip(slopes, [0, 250, 299, 300, 10, 0, 120, 121, 120], strict=True):
+        row[:begin] = 0.0
+    expected = (slopes * weights) @ slopes.T
+    assert information_of(slopes, weights) == pytest.approx(expected, abs=1e-10)
+
+
 def test_the_bound_grows_with_the_noise(closed_loop):
     window, unknowns = window_of(closed_loop().rows), truth()
     one, two = (cramer_rao_bound(window, unknowns, TIME, noise) for noise in (NOISE, 2 * NOISE))

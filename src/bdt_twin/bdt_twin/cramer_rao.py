@@ -27,8 +27,17 @@ def information_of(slopes: FloatArray, weights: FloatArray) -> FloatArray:
     -------
     ndarray, shape (unknowns, unknowns)
     """
-    # BLAS would wake threads, which on a busy computer wait longer for each other than they work.
-    information: FloatArray = np.einsum("ik,jk->ij", slopes * weights, slopes)
+    # Most unknowns act from some time in the window on, so they are sorted by it: what a pair has
+    # in common begins where the later one does.
+    begins = (slopes != 0.0).argmax(axis=1)
+    order = np.argsort(begins, kind="stable")
+    ordered = slopes[order]
+    information: FloatArray = np.empty((order.size, order.size))
+    for row, (number, begin) in enumerate(zip(order, begins[order], strict=True)):
+        earlier, weighted = ordered[: row + 1, begin:], ordered[row, begin:] * weights[begin:]
+        # BLAS would wake threads, which on a busy computer wait for each other most of the time.
+        shared = np.einsum("jk,k->j", earlier, weighted)
+        information[number, order[: row + 1]] = information[order[: row + 1], number] = shared
     return information
 
 

@@ -15,20 +15,15 @@ from bdt_plant.plant import PlantModel
 from bdt_twin.estimator import Estimate
 from bdt_twin.forward_model import SMALLEST_TRAVEL, compiled_structure, compiled_window
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.output_error_fit import Fit, WindowFit
+from bdt_twin.output_error_fit import Fit
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.saturation import turned_while_stuck
 from bdt_twin.telemetry_window import TelemetryWindow
-from bdt_twin.window_model import BEGINNING, Unknowns, WindowModel
+from bdt_twin.window_model import Unknowns, WindowModel
+from bdt_twin.window_search import beginnings_at_rest, fit_window
 
 FloatArray = NDArray[np.float64]
 
-FIRST_GAPS = (2.0, 8.0, 16.0, 28.0)
-"""Gaps from which a fit without a predecessor begins [deg]."""
-ROUGH, FINE = 6, 10
-"""Largest numbers of steps of a fit to choose a beginning by, and of one that counts."""
-WORSE = 2.0
-"""Growth of the residual from window to window that makes the fit begin anew."""
 MISFIT = 0.02
 """Share of the position's motion that the residual may have in a window that is explained."""
 STUCK = 2.0
@@ -176,21 +171,10 @@ class OutputErrorEstimator:
 
     def _fit(self, window: WindowModel) -> Fit:
         """Fit a window, beginning with the last fit if it still describes the data."""
-        problem = WindowFit(window, self._settings.growth_change)
-        followed = None
+        predicted, noise = None, math.inf
         if self.lesson is not None:
-            followed = problem.solve(self._followed(window, self.lesson), FINE)
-            if followed.noise <= WORSE * self.lesson.fit.noise:
-                return followed
-        rough = []
-        for gap in FIRST_GAPS:
-            gaps = np.full(window.knots.size, math.radians(gap))
-            first = Unknowns(gaps, np.zeros(len(FACTORS)), _beginnings(window))
-            rough.append(problem.solve(first, ROUGH))
-        best = min(rough, key=lambda fit: fit.noise)
-        if followed is not None and followed.noise <= best.noise:
-            return followed
-        return problem.solve(best.unknowns, FINE)
+            predicted, noise = self._followed(window, self.lesson), self.lesson.fit.noise
+        return fit_window(window, self._settings.growth_change, predicted, noise)
 
     def _followed(self, window: WindowModel, last: Lesson) -> Unknowns:
         """Return the unknowns that the last fit predicts for a window."""
@@ -198,7 +182,7 @@ class OutputErrorEstimator:
         beyond = np.maximum(knots - before.knots[-1], 0.0)
         gaps = np.interp(knots, before.knots, fit.unknowns.gaps) + last.estimate.growth * beyond
         gaps = np.maximum(gaps, 0.0)
-        beginnings = _beginnings(window)
+        beginnings = beginnings_at_rest(window)
         for beginning, stretch in zip(beginnings, window.stretches, strict=True):
             half = 0.5 * float(np.interp(stretch.first / self._rate, knots, gaps))
             for old, run in zip(before.stretches, fit.runs, strict=True):
@@ -282,10 +266,3 @@ def _growth_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
     weights = window.weights(np.array([before, after])) @ np.array([-1.0, 1.0]) / (after - before)
     uncertainty = math.sqrt(float(weights @ fit.covariance @ weights))
     return float(weights @ fit.unknowns.gaps), uncertainty
-
-
-def _beginnings(window: WindowModel) -> FloatArray:
-    """Return the beginnings of stretches at rest, the motor in the middle of the gap."""
-    beginnings = np.zeros((len(window.stretches), len(BEGINNING)))
-    beginnings[:, BEGINNING.index("offset")] = [stretch.position[0] for stretch in window.stretches]
-    return beginnings

@@ -54,15 +54,15 @@ class Fit:
         Standard deviation of the residual's block means, without outliers [m].
     covariance : ndarray, shape (knots, knots)
         Covariance of the gap at the knots [rad^2].
-    iterations : int
-        Steps tried.
+    simulations : int
+        Simulations made.
     """
 
     unknowns: Unknowns
     runs: list[WindowRun]
     noise: float
     covariance: FloatArray
-    iterations: int
+    simulations: int
 
 
 class _Point(NamedTuple):
@@ -98,20 +98,44 @@ class WindowFit:
         # Changes of growth at the knots, in multiples of their scale.
         self._changes = np.diff(np.eye(count), 2, axis=0) / (growth_change * spacing**1.5)
 
-    def solve(self, unknowns: Unknowns, iterations: int) -> Fit:
-        """Return the fit that begins at `unknowns`, after at most `iterations` steps."""
-        point = self._at(unknowns)
-        iteration = 0
-        for iteration in range(1, iterations + 1):
+    def solve(
+        self,
+        unknowns: Unknowns,
+        steps: int,
+        simulations: int,
+        *,
+        patience: int = 0,
+        enough: float = math.inf,
+    ) -> Fit:
+        """Return the fit that begins at some unknowns.
+
+        Parameters
+        ----------
+        unknowns : Unknowns
+            Where to begin.
+        steps, simulations : int
+            Largest numbers of steps, and of simulations: halving a step costs one, too.
+        patience : int
+            Simulations after which the fit ends if its noise is larger than `enough`.
+        enough : float
+            Standard deviation of the residual's block means [m].
+        """
+        point, simulated = self._at(unknowns), 1
+        for number in range(1, steps + 1):
+            if simulated >= simulations:
+                break
+            if simulated >= patience and _deviation(point.residual) > enough:
+                break
             settled = _noise(point.residual)
             # A model that is still wrong is wrong in the transients only, which are not outliers.
             rms = math.sqrt(float(np.mean(point.residual**2)))
-            noise = max(settled, rms / 2**iteration)
+            noise = max(settled, rms / 2**number)
             step = self._step(point, noise)
             vector = point.unknowns.as_vector()
             before, after = self._cost(point, noise), math.inf
-            for _ in range(1 + HALVINGS):
+            for _ in range(min(1 + HALVINGS, simulations - simulated)):
                 trial = self._at(point.unknowns.from_vector(vector + step))
+                simulated += 1
                 after = self._cost(trial, noise)
                 if after <= before:
                     break
@@ -121,7 +145,7 @@ class WindowFit:
             point = trial
             if noise < 1.2 * settled and before - after < SMALLEST_GAIN + 1e-4 * before:
                 break
-        return self._result(point, iteration)
+        return self._result(point, simulated)
 
     def _at(self, unknowns: Unknowns) -> _Point:
         runs = self._window.run(unknowns)
@@ -163,12 +187,11 @@ class WindowFit:
         prior[:count, :count] += (self._changes.T * weights) @ self._changes
         return prior
 
-    def _result(self, point: _Point, iterations: int) -> Fit:
-        noise = _noise(point.residual)
+    def _result(self, point: _Point, simulations: int) -> Fit:
+        noise, deviation = _noise(point.residual), _deviation(point.residual)
         bounded = np.clip(point.residual, -HUBER * noise, HUBER * noise)
-        variance = max(float(np.mean(bounded**2)), SMALLEST_NOISE**2)
         slopes = self._window.slopes(point.unknowns, point.runs)
-        weights = self._weights(point.residual, noise) / variance
+        weights = self._weights(point.residual, noise) / deviation**2
         # A residual that is not white says less than its samples are many.
         weights /= correlated_blocks(bounded, self._window.block_rate)
         information = information_of(slopes, weights) + self._prior_at(point.unknowns)
@@ -177,15 +200,21 @@ class WindowFit:
         return Fit(
             point.unknowns,
             point.runs,
-            math.sqrt(variance),
+            deviation,
             covariance[:knots, :knots],
-            iterations,
+            simulations,
         )
 
 
 def _noise(residual: FloatArray) -> float:
     """Return the standard deviation of a residual, whatever the outliers [m]."""
     return max(SMALLEST_NOISE, FROM_MAD * float(np.median(np.abs(residual))))
+
+
+def _deviation(residual: FloatArray) -> float:
+    """Return the standard deviation of a residual whose outliers are brought back [m]."""
+    most = HUBER * _noise(residual)
+    return max(SMALLEST_NOISE, math.sqrt(float(np.mean(np.clip(residual, -most, most) ** 2))))
 
 
 def _prior(knots: FloatArray, stretches: int) -> FloatArray:

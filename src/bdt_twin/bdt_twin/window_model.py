@@ -104,6 +104,32 @@ class WindowModel:
         self.block_rate = sampling_rate / block
         self._model, self._rate = model, sampling_rate
         self._blocks = [stretch.voltage.size // block for stretch in stretches]
+        self._times = [
+            (stretch.first + np.arange(stretch.voltage.size)) / sampling_rate
+            for stretch in stretches
+        ]
+
+    def coarse(self, lowest_rate: float, lowest_block_rate: float) -> "WindowModel":
+        """Return the window with fewer samples and blocks, for a rough fit in little time.
+
+        Of several samples one position is kept, and the mean of the voltages until the next.
+
+        Parameters
+        ----------
+        lowest_rate, lowest_block_rate : float
+            Rates of samples and blocks [Hz], not to go below; the window's own may be lower.
+        """
+        every = max(int(self._rate / lowest_rate), 1)
+        rate = self._rate / every
+        block = max(int(rate / lowest_block_rate), round(rate / self.block_rate), 1)
+        stretches = []
+        for first, voltage, position in self.stretches:
+            skipped = -first % every
+            count = (voltage.size - skipped) // every // block * block
+            kept = slice(skipped, skipped + count * every)
+            means = voltage[kept].reshape(-1, every).mean(axis=1)
+            stretches.append(Stretch((first + skipped) // every, means, position[kept][::every]))
+        return WindowModel(self._model, stretches, self.knots, rate, block)
 
     def run(self, unknowns: Unknowns) -> list[WindowRun]:
         """Simulate each stretch."""
@@ -111,8 +137,9 @@ class WindowModel:
         gain = math.exp(unknowns.factors[FACTORS.index("gain")])
         back_emf = self._model.motor.back_emf_constant / gain
         runs = []
-        for stretch, beginning in zip(self.stretches, unknowns.beginnings, strict=True):
-            times = (stretch.first + np.arange(stretch.voltage.size)) / self._rate
+        for stretch, times, beginning in zip(
+            self.stretches, self._times, unknowns.beginnings, strict=True
+        ):
             gaps = np.interp(times, self.knots, unknowns.gaps)
             state = initial_state(
                 StructureState(*beginning[2:].tolist()),
@@ -158,10 +185,13 @@ class WindowModel:
         initial = self.weights(np.array([begins / self._rate]))[:, 0]
         weights = self.weights((begins + run.sample) / self._rate)
         for knot in range(self.knots.size):
-            if not (initial[knot] or weights[knot].any()):
+            acts = moved if initial[knot] else weights[knot]
+            if not acts.any():
                 continue
-            turned = 0.5 * (share * initial[knot] * moved - run.side * weights[knot])
-            slopes[knot] = run_structure(step, at_rest, base_of * turned)
+            # Before that the structure rests.
+            begin = max(int((acts != 0.0).argmax()) - 1, 0)
+            turned = 0.5 * (share * initial[knot] * moved - run.side * weights[knot])[begin:]
+            slopes[knot, begin:] = run_structure(step, at_rest, base_of * turned)
         gap = float(initial @ unknowns.gaps)
         # The angle of the motor begins at its place in the gap.
         turned = (run.motor - 0.5 * share * gap) * moved

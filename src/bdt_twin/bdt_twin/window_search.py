@@ -1,0 +1,86 @@
+"""Search for the best fit of a window: from a prediction, or from many gaps."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_twin.model_factors import FACTORS
+from bdt_twin.output_error_fit import Fit, WindowFit
+from bdt_twin.window_model import BEGINNING, Unknowns, WindowModel
+
+FloatArray = NDArray[np.float64]
+
+FIRST_GAPS = (8.0, 28.0, 2.0, 16.0)
+"""Gaps from which a fit without a predecessor begins [deg]."""
+AGREED = 1.1
+"""Ratio of the residuals below which two beginnings have led to the same fit."""
+ROUGH, FINE = 5, 10
+"""Largest numbers of steps of a fit to choose a beginning by, and of one that counts."""
+PATIENCE = 4
+"""Simulations after which a prediction has to describe the data."""
+MOST_SAMPLES = 1_600_000
+"""Samples that a fit may simulate, which bounds the time that it takes."""
+FEWEST_SIMULATIONS = 5
+"""Simulations that a fit may make, however long the window is."""
+COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
+"""Lowest rates at which a beginning is chosen [Hz]: motor and structure are hardly faster."""
+WORSE = 2.0
+"""Growth of the residual from window to window that makes the fit begin anew."""
+EXPLAINED = 1e-4
+"""Share of the position's motion in a residual from which on no better fit is looked for."""
+
+
+def beginnings_at_rest(window: WindowModel) -> FloatArray:
+    """Return the beginnings of stretches at rest, the motor in the middle of the gap."""
+    beginnings = np.zeros((len(window.stretches), len(BEGINNING)))
+    beginnings[:, BEGINNING.index("offset")] = [stretch.position[0] for stretch in window.stretches]
+    return beginnings
+
+
+def fit_window(
+    window: WindowModel, growth_change: float, predicted: Unknowns | None, noise: float
+) -> Fit:
+    """Fit a window, beginning with a prediction if that describes the data.
+
+    Otherwise beginnings with different gaps are tried on a coarse copy of the window. How often
+    the window itself is simulated is limited, and so is the time that this takes: what a fit
+    has not reached by then is reached from there in the next windows.
+
+    Parameters
+    ----------
+    window : WindowModel
+        Model and data.
+    growth_change : float
+        Scale of the growth rate's change in one second [rad/s^1.5].
+    predicted : Unknowns or None
+        What the fit of the window before predicts.
+    noise : float
+        Standard deviation of the residual's block means in that fit [m].
+    """
+    problem = WindowFit(window, growth_change)
+    samples = sum(stretch.voltage.size for stretch in window.stretches)
+    simulations = max(MOST_SAMPLES // samples, FEWEST_SIMULATIONS)
+    if predicted is None:
+        return problem.solve(_best_beginning(window, growth_change), FINE, simulations)
+    motion = max(float(np.std(stretch.position)) for stretch in window.stretches)
+    enough = max(WORSE * noise, EXPLAINED * motion)
+    followed = problem.solve(predicted, FINE, simulations, patience=PATIENCE, enough=enough)
+    if followed.noise <= enough:
+        return followed
+    fit = problem.solve(_best_beginning(window, growth_change), FINE, FEWEST_SIMULATIONS)
+    return min(followed, fit, key=lambda each: each.noise)
+
+
+def _best_beginning(window: WindowModel, growth_change: float) -> Unknowns:
+    """Return what fits a coarse copy of the window best, of what is found from each first gap."""
+    problem = WindowFit(window.coarse(COARSE_RATE, COARSE_BLOCK_RATE), growth_change)
+    fits: list[Fit] = []
+    for gap in FIRST_GAPS:
+        gaps = np.full(window.knots.size, math.radians(gap))
+        first = Unknowns(gaps, np.zeros(len(FACTORS)), beginnings_at_rest(window))
+        fits.append(problem.solve(first, ROUGH, 2 * ROUGH))
+        least = min(fit.noise for fit in fits)
+        if sum(fit.noise < AGREED * least for fit in fits) > 1:
+            break
+    return min(fits, key=lambda fit: fit.noise).unknowns

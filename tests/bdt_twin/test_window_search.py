@@ -1,0 +1,131 @@
+"""The fit of a window that has no predecessor, or one that is of no use, and the work it takes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.plant import PlantModel
+from bdt_twin import window_search
+from bdt_twin.model_factors import FACTORS
+from bdt_twin.output_error_fit import HALVINGS, WindowFit
+from bdt_twin.window_model import Stretch, Unknowns, WindowModel
+from bdt_twin.window_search import (
+    FEWEST_SIMULATIONS,
+    MOST_SAMPLES,
+    beginnings_at_rest,
+    fit_window,
+)
+
+RATE, BLOCK = 1000.0, 5
+GROWTH_CHANGE = math.radians(0.02)
+GROWING = GapProfile(kind="ramp", initial=0.1, final=0.3, growth_time=12.0)
+
+
+def window_of(loop, begin=0, end=12000, rate=RATE, block=BLOCK):
+    stretch = Stretch(begin, *np.ascontiguousarray(loop.rows[begin:end, 1:].T))
+    knots = np.arange(math.floor(begin / rate), math.ceil(end / rate) + 1.0)
+    return WindowModel(PlantModel(), [stretch], knots, rate, block)
+
+
+def unknowns_with(window, degrees):
+    gaps = np.full(window.knots.size, math.radians(degrees))
+    return Unknowns(gaps, np.zeros(len(FACTORS)), beginnings_at_rest(window))
+
+
+@pytest.fixture
+def simulated(monkeypatch):
+    """Count the samples that windows simulate, by their sampling rate."""
+    counts = {}
+    run = WindowModel.run
+
+    def counted(window, unknowns):
+        samples = sum(stretch.voltage.size for stretch in window.stretches)
+        rate = round(window.block_rate * window.block)
+        counts.setdefault(rate, []).append(samples)
+        return run(window, unknowns)
+
+    monkeypatch.setattr(WindowModel, "run", counted)
+    return counts
+
+
+@pytest.mark.parametrize("degrees", [0.5, 5.0, 12.0, 22.0, 40.0, 90.0])
+def test_a_gap_of_any_size_is_found_without_a_predecessor(closed_loop, degrees):
+    window = window_of(closed_loop(degrees, dead_zone=degrees))
+    fit = fit_window(window, GROWTH_CHANGE, None, math.inf)
+    assert np.rad2deg(fit.unknowns.gaps[3:-3]) == pytest.approx(degrees, abs=0.02)
+
+
+@pytest.mark.parametrize("predicted", [0.0, 30.0])
+def test_a_prediction_that_is_far_off_does_not_hold_the_fit(closed_loop, predicted):
+    loop = closed_loop(GROWING)
+    window = window_of(loop)
+    fit = fit_window(window, GROWTH_CHANGE, unknowns_with(window, predicted), 1e-9)
+    times = window.knots[3:-3]
+    true = loop.gaps[np.rint(times * RATE).astype(int)]
+    assert np.rad2deg(fit.unknowns.gaps[3:-3] - true) == pytest.approx(0.0, abs=0.02)
+
+
+def test_a_prediction_that_describes_the_data_is_followed(closed_loop, simulated):
+    window = window_of(closed_loop(12.0))
+    first = fit_window(window, GROWTH_CHANGE, None, math.inf)
+    simulated.clear()
+    fit = fit_window(window, GROWTH_CHANGE, first.unknowns, first.noise)
+    assert list(simulated) == [RATE]
+    assert len(simulated[RATE]) < 6
+    assert fit.noise <= 1.001 * first.noise
+
+
+@pytest.mark.parametrize(("wrong", "fits"), [(None, 1), (60.0, 2)])
+def test_the_work_of_a_window_is_limited(closed_loop, simulated, monkeypatch, wrong, fits):
+    """A position that no model explains makes every fit go on as long as it may."""
+    monkeypatch.setattr(window_search, "MOST_SAMPLES", 12000)
+    window = window_of(closed_loop(15.0))
+    walk = np.cumsum(np.random.default_rng(1).normal(scale=1e-6, size=12000))
+    stretch = window.stretches[0]
+    spoiled = WindowModel(
+        PlantModel(),
+        [stretch._replace(position=stretch.position + walk)],
+        window.knots,
+        RATE,
+        BLOCK,
+    )
+    predicted = None if wrong is None else unknowns_with(window, wrong)
+    fit_window(spoiled, GROWTH_CHANGE, predicted, 1e-9)
+    assert len(simulated[RATE]) <= fits * FEWEST_SIMULATIONS
+    # All beginnings together are tried with fewer samples than a single fit has.
+    assert sum(simulated[500]) < MOST_SAMPLES
+
+
+def test_a_fit_that_is_wrong_after_its_patience_ends(closed_loop):
+    window = window_of(closed_loop(15.0))
+    problem, first = WindowFit(window, GROWTH_CHANGE), unknowns_with(window, 60.0)
+    patient = problem.solve(first, 10, 100)
+    ended = problem.solve(first, 10, 100, patience=2, enough=0.0)
+    assert ended.simulations <= 2 + HALVINGS < patient.simulations
+    assert problem.solve(first, 10, 100, patience=2, enough=1.0).noise == patient.noise
+
+
+def test_a_coarse_copy_is_the_same_mechanism(closed_loop):
+    """Positions of the copy are those of the window at the samples that it keeps."""
+    window = window_of(closed_loop(GROWING, rate=5000.0), 12503, 52503, 5000.0, 25)
+    coarse = window.coarse(1000.0, 50.0)
+    unknowns = unknowns_with(window, 10.0)
+    fine, rough = window.run(unknowns)[0].position, coarse.run(unknowns)[0].position
+    assert coarse.stretches[0].first == 2501
+    assert coarse.block == 20
+    assert rough.size % 20 == 0
+    kept = fine[2::5][: rough.size]
+    assert coarse.stretches[0].position == pytest.approx(
+        window.stretches[0].position[2::5][: rough.size]
+    )
+    # Five samples share a voltage; contact is found a sample of the copy late at most.
+    assert np.abs(rough - kept).max() < 0.02 * np.ptp(kept)
+
+
+def test_a_coarse_copy_of_coarse_data_keeps_all_samples(closed_loop):
+    window = window_of(closed_loop(12.0, rate=500.0), 0, 6000, 500.0, 2)
+    coarse = window.coarse(1000.0, 50.0)
+    assert (coarse.stretches[0].voltage == window.stretches[0].voltage).all()
+    assert coarse.block == 10
