@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from bdt_plant import compilation
 from bdt_plant.plant import AT_REST, PlantModel, discretize_plant
 from bdt_plant.structure import StructureState, discretize_structure
-from bdt_twin import compilation
 from bdt_twin.forward_model import (
     SMALLEST_TRAVEL,
     compiled_structure,

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bdt_plant import compilation
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
-from bdt_twin import compilation
 from bdt_twin.angle_observer import AngleObserver
 from bdt_twin.contact import compiled_sums
 from bdt_twin.estimator import TelemetryRejectedError

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bdt_plant import compilation
 from bdt_plant.gap_profile import GapProfile, gap_at
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
 from bdt_plant.structure import StructureParameters
-from bdt_twin import compilation
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.estimator import TelemetryRejectedError
 from bdt_twin.forward_model import compiled_structure, compiled_window
