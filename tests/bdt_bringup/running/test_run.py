@@ -250,23 +250,22 @@ def test_a_second_loop_in_the_same_domain_is_refused_and_nodes_do_not_outlive_a_
     wait_for(lambda: not any(alive(pid) for pid in nodes.values()), "the nodes are gone")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (["run", "--config", "no_such.yaml"], "configuration no_such.yaml: cannot be read"),
-        (["run", "--duration", "0"], "--duration 0.0 s: must be above 0"),
-        (["run", "--duration", "soon"], "invalid float value: 'soon'"),
-        (["run", "--mode", "warp"], "invalid choice: 'warp'"),
-        (["analyze", "no_such_bag"], "no_such_bag"),
-        (["fly"], "invalid choice: 'fly'"),
-        ([], "required: COMMAND"),
-    ],
-)
-def test_bad_input_is_one_line_and_exit_code_two(arguments, says):
-    code, _, err = finished(bdt(*arguments))
-    assert code == 2
-    assert says in err
-    assert "Traceback" not in err
+def test_bad_input_is_one_line_and_exit_code_two():
+    cases = {
+        ("run", "--config", "no_such.yaml"): "configuration no_such.yaml: cannot be read",
+        ("run", "--duration", "0"): "--duration 0.0 s: must be above 0",
+        ("run", "--duration", "soon"): "invalid float value: 'soon'",
+        ("run", "--mode", "warp"): "invalid choice: 'warp'",
+        ("analyze", "no_such_bag"): "no_such_bag",
+        ("fly",): "invalid choice: 'fly'",
+        (): "required: COMMAND",
+    }
+    started = [bdt(*arguments) for arguments in cases]
+    for says, process in zip(cases.values(), started, strict=True):
+        code, _, err = finished(process)
+        assert says in err
+        assert code == 2, err
+        assert "Traceback" not in err
 
 
 def test_a_domain_id_that_is_not_one_is_bad_input(tmp_path, monkeypatch):
