@@ -66,7 +66,7 @@ elif how == "waiting":
         say("main", type(error).__name__)
 else:
     spin("main")
-end = time.monotonic() + 10
+end = time.monotonic() + 20
 while rclpy.ok() and time.monotonic() < end:
     time.sleep(0.01)  # rclpy's handler shuts down in a thread of its own
 say("ok" if rclpy.ok() else "not ok")

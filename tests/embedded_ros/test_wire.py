@@ -184,7 +184,7 @@ def test_a_wait_for_a_message_goes_on_after_what_is_none(ros):
     publisher = node.create_publisher(String, "s", latched)
     publisher.publish(bytes.fromhex("00010000 ff000000 61620000"))
     publisher.publish(String(data="a"))
-    found = wait_for_message(String, node, "/s", qos_profile=latched, time_to_wait=5)
+    found = wait_for_message(String, node, "/s", qos_profile=latched, time_to_wait=20)
     assert found == (True, String(data="a"))
 
 
