@@ -143,7 +143,7 @@ def test_a_node_of_another_process_appears_and_disappears(ros, node):
         assert (info.node_name, info.node_namespace) == ("peer", "/far")
         peer.stdin.close()
         assert peer.wait(20) == 0
-    ros.spin_until(lambda: "peer" not in node.get_node_names(), 5)
+    ros.spin_until(lambda: "peer" not in node.get_node_names())
 
 
 def test_nodes_are_listed_with_their_namespaces(ros, node):

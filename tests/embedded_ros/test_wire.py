@@ -120,7 +120,7 @@ def test_ros_discovery_info_is_what_rmw_reads(ros):
     from cyclonedds._clayer import ddspy_take
 
     samples = []
-    ros.spin_until(lambda: samples.extend(ddspy_take(reader._ref, 0x7F, 10)) or samples, 5)
+    ros.spin_until(lambda: samples.extend(ddspy_take(reader._ref, 0x7F, 10)) or samples)
     info = Info.deserialize(samples[-1][0])
     assert bytes(info.gid.data) == node._session.guid
     (entry,) = [item for item in info.node_entities_info_seq if item.node_name == "n"]
