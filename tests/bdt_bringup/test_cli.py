@@ -26,29 +26,49 @@ sys.exit(run_command(sys.argv[1:]))
 """
 
 
-def run_without_ros(*arguments):
-    return subprocess.run(
-        [sys.executable, "-c", WITHOUT_ROS, *map(str, arguments)],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+@pytest.fixture(scope="module")
+def without_ros(tmp_path_factory, following_bag):
+    """Return a function that gives folder and output of a command, of all that run at once."""
+    folder = tmp_path_factory.mktemp("without_ros")
+    estimate = ["--estimator", "inverse_filter", "--set", "estimator.window=1.0"]
+    commands = {
+        "analyze": ["analyze", following_bag, "--output", folder / "analyze"],
+        "estimate": ["analyze", following_bag, "--output", folder / "estimate", *estimate],
+        "recover": ["recover", following_bag, "--output", folder / "recover"],
+        "design": ["design", "--output", folder / "design.png"],
+        "bench": ["bench", "control_step"],
+    }
+    started = {
+        name: subprocess.Popen(
+            [sys.executable, "-c", WITHOUT_ROS, *map(str, command)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        for name, command in commands.items()
+    }
+
+    def output(name):
+        out, err = started[name].communicate(timeout=120)
+        assert started[name].returncode == 0, err
+        return folder / name, out
+
+    yield output
+    for process in started.values():
+        process.kill()
+        process.communicate()
 
 
-def test_a_bag_is_analyzed(tmp_path, following_bag):
-    done = run_without_ros("analyze", following_bag, "--output", tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "report.html").exists()
+def test_a_bag_is_analyzed(without_ros):
+    folder, _ = without_ros("analyze")
+    assert (folder / "report.html").exists()
 
 
-def test_the_gap_of_a_bag_is_estimated_again(tmp_path, following_bag):
-    options = ["--estimator", "inverse_filter", "--set", "estimator.window=1.0"]
-    done = run_without_ros("analyze", following_bag, "--output", tmp_path, *options)
-    assert done.returncode == 0, done.stderr
-    (line,) = [x for x in done.stdout.splitlines() if x.startswith("re-estimated (inverse_filter)")]
+def test_the_gap_of_a_bag_is_estimated_again(without_ros):
+    _, out = without_ros("estimate")
+    (line,) = [x for x in out.splitlines() if x.startswith("re-estimated (inverse_filter)")]
     assert "; live: " in line
-    assert "  set estimator.window = 1.0" in done.stdout
+    assert "  set estimator.window = 1.0" in out
 
 
 def test_loop_and_topics_of_a_bag_can_be_chosen(small_loop, tmp_path, capsys):
@@ -68,22 +88,21 @@ def test_loop_and_topics_of_a_bag_can_be_chosen(small_loop, tmp_path, capsys):
     assert capsys.readouterr().err.startswith("error: topic 'telemetry': must be TOPIC=NAME")
 
 
-def test_a_bag_is_recovered(tmp_path, following_bag):
-    done = run_without_ros("recover", following_bag, "--output", tmp_path / "whole")
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "whole" / "whole_0.mcap").exists()
+def test_a_bag_is_recovered(without_ros):
+    folder, _ = without_ros("recover")
+    assert (folder / "recover_0.mcap").exists()
 
 
 @needs_control
-def test_the_controller_is_designed(tmp_path):
-    done = run_without_ros("design", "--output", tmp_path / "design.png")
-    assert done.returncode == 0, done.stderr
+def test_the_controller_is_designed(without_ros):
+    folder, _ = without_ros("design")
+    assert folder.with_suffix(".png").exists()
 
 
 @needs_control
-def test_the_cores_are_measured():
-    done = run_without_ros("bench", "control_step")
-    assert done.returncode == 0, done.stderr
+def test_the_cores_are_measured(without_ros):
+    _, out = without_ros("bench")
+    assert "control_step" in out
 
 
 @needs_control

@@ -6,6 +6,11 @@ import subprocess
 import sys
 
 import pytest
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.topics import COMMAND
 
 DEADLINE = 30.0
 MODULES = {
@@ -25,23 +30,28 @@ def node(name, *arguments):
     )
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_an_unknown_parameter_is_one_line_and_exit_code_two(name):
-    process = node(name, "-p", "no_such:=1.0")
-    out, err = process.communicate(timeout=DEADLINE)
-    assert process.returncode == 2
-    assert err == f"error: parameter no_such = 1.0: is not a parameter of /{name}\n"
-    assert out == ""
+def ends(processes):
+    """Yield exit code, output and errors of processes that run at the same time."""
+    for process in processes:
+        out, err = process.communicate(timeout=DEADLINE)
+        yield process.returncode, out, err
 
 
-@pytest.mark.parametrize("value", ["-1.0", ".nan", "5", "wide", "[1.0]"])
-def test_a_value_that_is_not_allowed_is_one_line_and_exit_code_two(value):
-    process = node("controller", "-p", f"dead_zone_tolerance:={value}")
-    _, err = process.communicate(timeout=DEADLINE)
-    assert process.returncode == 2
-    assert err.startswith("error: parameter dead_zone_tolerance = ")
-    assert "0 to 0.1 m" in err
-    assert err.count("\n") == 1
+def test_an_unknown_parameter_is_one_line_and_exit_code_two():
+    started = [node(name, "-p", "no_such:=1.0") for name in MODULES]
+    for name, end in zip(MODULES, ends(started), strict=True):
+        text = f"error: parameter no_such = 1.0: is not a parameter of /{name}\n"
+        assert end == (2, "", text)
+
+
+def test_a_value_that_is_not_allowed_is_one_line_and_exit_code_two():
+    values = ["-1.0", ".nan", "5", "wide", "[1.0]"]
+    started = [node("controller", "-p", f"dead_zone_tolerance:={value}") for value in values]
+    for value, (code, _, err) in zip(values, ends(started), strict=True):
+        assert code == 2, value
+        assert err.startswith("error: parameter dead_zone_tolerance = "), value
+        assert "0 to 0.1 m" in err, value
+        assert err.count("\n") == 1, value
 
 
 def test_a_parameter_file_that_is_missing_is_named(tmp_path):
@@ -63,15 +73,15 @@ def test_a_signal_ends_a_node_without_complaint(number):
     assert "Traceback" not in err
 
 
-def test_a_plant_whose_controller_is_gone_ends_with_exit_code_one():
+def test_a_plant_whose_controller_is_gone_ends_with_exit_code_one(ros):
+    commands = []
+    listener = ros.create(Node, "listener")
+    listener.create_subscription(JointState, COMMAND.name, commands.append, qos_profile(COMMAND))
     plant = node("plant", "-p", "resend_period:=0.05", "-p", "lockstep_timeout:=0.3")
     controller = node("controller")
     # The plant runs once the controller is there; then the controller is taken away.
-    assert "waiting" in plant.stderr.readline()
-    try:
-        plant.wait(timeout=1.0)
-    except subprocess.TimeoutExpired:
-        controller.kill()
+    ros.spin_until(lambda: commands, DEADLINE)
+    controller.kill()
     controller.communicate(timeout=DEADLINE)
     _, err = plant.communicate(timeout=DEADLINE)
     assert plant.returncode == 1

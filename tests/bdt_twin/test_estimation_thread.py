@@ -8,7 +8,7 @@ import pytest
 from bdt_twin.estimation_thread import PATIENCE, EstimationThread
 from bdt_twin.estimator import Estimate, TelemetryRejectedError
 
-DEADLINE = 10.0
+DEADLINE = 30.0
 
 
 class Recorder:

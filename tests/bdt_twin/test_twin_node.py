@@ -296,4 +296,4 @@ def test_a_start_with_bad_parameters_names_parameter_value_and_what_is_allowed(
         ros.create(TwinNode, **parameters)
     assert says in str(caught.value)
     assert "\n" not in str(caught.value)
-    ros.spin_until(lambda: watcher.get_node_names() == ["watcher"], deadline=5.0)
+    ros.spin_until(lambda: watcher.get_node_names() == ["watcher"])

@@ -4,13 +4,18 @@ import gc
 import os
 import time
 from collections.abc import Callable, Iterator
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-# Before rclpy is initialized anywhere. Ports of domains above 101 meet those that Linux gives out.
-os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
+_spec = spec_from_file_location("ros_domain", Path(__file__).with_name("ros_domain.py"))
+_ros_domain = module_from_spec(_spec)
+_spec.loader.exec_module(_ros_domain)
+
+# Before rclpy is initialized anywhere.
+os.environ["ROS_DOMAIN_ID"] = str(_ros_domain.claim_domain())
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 
 LOOPBACK = (

@@ -57,7 +57,7 @@ def test_groups_decide_what_runs_at_the_same_time(ros):
         for _ in range(3):
             guard = node.create_guard_condition(lambda k=kind: (work(k), done.append(k)), group)
             guard.trigger()
-    end = time.monotonic() + 10
+    end = time.monotonic() + 20
     while len(done) < 6 and time.monotonic() < end:
         executor.spin_once(timeout_sec=0.05)
     assert len(done) == 6
@@ -115,17 +115,17 @@ def test_a_busy_group_does_not_hold_others_up(ros):
 
     def block():
         busy.set()
-        seen.append(free.wait(10))
+        seen.append(free.wait(20))
 
     node.create_guard_condition(block).trigger()
     other = node.create_guard_condition(free.set, MutuallyExclusiveCallbackGroup())
     spinner = threading.Thread(target=executor.spin)
     spinner.start()
-    assert busy.wait(10)
+    assert busy.wait(20)
     other.trigger()
     ros.wait_until(lambda: seen)
     assert seen == [True]
-    assert executor.shutdown(5)
-    spinner.join(5)
+    assert executor.shutdown(20)
+    spinner.join(20)
     assert not spinner.is_alive()
     node.destroy_node()

@@ -138,7 +138,7 @@ def test_sleeping_follows_simulated_time(ros):
     thread.join(0.05)
     assert thread.is_alive()
     clock.set_ros_time_override(ros_time(10))
-    thread.join(10)
+    thread.join(20)
     assert result == [True]
 
 
@@ -148,5 +148,5 @@ def test_sleeping_ends_when_the_source_of_time_changes(ros):
     thread, result = sleeper(clock, ros_time(10), ros.context)
     thread.join(0.05)
     clock._set_ros_time_is_active(False)
-    thread.join(10)
+    thread.join(20)
     assert result == [False]

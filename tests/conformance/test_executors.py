@@ -33,7 +33,7 @@ def test_a_timeout_ends_the_wait(ros, node):
     start = time.monotonic()
     ros.executor.spin_once(timeout_sec=0.05)
     ros.executor.spin_once(timeout_sec=0)
-    assert 0.045 < time.monotonic() - start < 1
+    assert 0.045 < time.monotonic() - start < 10
 
 
 def test_a_node_is_added_once_and_removed(ros, node):
@@ -80,7 +80,7 @@ def test_a_new_entity_wakes_an_executor_that_waits(ros, node):
     spinner = threading.Thread(target=lambda: ros.executor.spin_once(timeout_sec=10))
     spinner.start()
     node.create_timer(0.0, lambda: calls.append(1))
-    spinner.join(5)
+    spinner.join(20)
     assert calls == [1]
 
 
@@ -108,8 +108,8 @@ def test_shutdown_from_another_thread_ends_spin(ros, executor_class):
     executor.add_node(node)
     spinner = threading.Thread(target=executor.spin)
     spinner.start()
-    assert executor.shutdown(5)
-    spinner.join(5)
+    assert executor.shutdown(20)
+    spinner.join(20)
     assert not spinner.is_alive()
     node.destroy_node()
 
@@ -222,7 +222,7 @@ def test_a_multi_threaded_executor_runs_many_callbacks(ros):
     publisher = node.create_publisher(Float64, "x", 100)
     for value in range(50):
         publisher.publish(Float64(data=float(value)))
-    end = time.monotonic() + 10
+    end = time.monotonic() + 20
     while len(received) < 50 and time.monotonic() < end:
         executor.spin_once(timeout_sec=0.1)
     assert received == list(range(50))

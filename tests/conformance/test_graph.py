@@ -137,14 +137,14 @@ def test_a_node_of_another_process_appears_and_disappears(ros, node):
         [sys.executable, "-c", PEER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as peer:
         peer.stdout.readline()
-        assert node.wait_for_node("/far/peer", 5)
+        assert node.wait_for_node("/far/peer", 20.0)
         assert ("peer", "/far") in node.get_node_names_and_namespaces()
         assert ("peer", "/far", "/") in node.get_node_names_and_namespaces_with_enclaves()
         info = one_info(ros, node.get_publishers_info_by_topic, "/far/out")
         assert (info.node_name, info.node_namespace) == ("peer", "/far")
         peer.stdin.close()
-        assert peer.wait(10) == 0
-    ros.spin_until(lambda: "peer" not in node.get_node_names(), 5)
+        assert peer.wait(20) == 0
+    ros.spin_until(lambda: "peer" not in node.get_node_names())
 
 
 def test_nodes_are_listed_with_their_namespaces(ros, node):
@@ -158,8 +158,8 @@ def test_nodes_are_listed_with_their_namespaces(ros, node):
 def test_nodes_are_waited_for(ros, node):
     assert not node.wait_for_node("late", 0.05)
     ros.node("late", namespace="/far")
-    assert node.wait_for_node("/far/late", 10.0)
-    assert node.wait_for_node("far/late", 10.0)
+    assert node.wait_for_node("/far/late", 20.0)
+    assert node.wait_for_node("far/late", 20.0)
 
 
 def test_a_nodes_entities_are_found_by_its_full_name(ros, node):

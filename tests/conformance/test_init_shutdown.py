@@ -155,7 +155,7 @@ def test_two_contexts_in_a_process_exchange_messages(ros):
     other = Context()
     other.init(args=[])
     first, second = ros.node("first"), Node("second", context=other)
-    assert first.wait_for_node("/second", 5)
+    assert first.wait_for_node("/second", 20.0)
     received = []
     first.create_subscription(Float64, "x", received.append, 10)
     publisher = second.create_publisher(Float64, "x", 10)
@@ -190,12 +190,12 @@ def test_the_module_spins_with_one_executor_for_all(default_context):
     assert rclpy.get_global_executor() is executor
     calls = []
     node.create_guard_condition(lambda: calls.append(node.executor)).trigger()
-    rclpy.spin_once(node, timeout_sec=5)
+    rclpy.spin_once(node, timeout_sec=20)
     assert calls == [executor]
     assert executor.get_nodes() == []
     rclpy.spin_once(node, timeout_sec=0)
     future = executor.create_task(lambda: 1)
-    rclpy.spin_until_future_complete(node, future, timeout_sec=5)
+    rclpy.spin_until_future_complete(node, future, timeout_sec=20)
     assert future.result() == 1
     never = Future()
     rclpy.spin_until_future_complete(node, never, timeout_sec=0.01)
@@ -208,7 +208,7 @@ def test_the_module_spins_with_an_executor_that_is_given(default_context):
     executor = SingleThreadedExecutor()
     calls = []
     node.create_guard_condition(lambda: calls.append(node.executor)).trigger()
-    rclpy.spin_once(node, executor=executor, timeout_sec=5)
+    rclpy.spin_once(node, executor=executor, timeout_sec=20)
     assert calls == [executor]
     executor.shutdown()
     node.destroy_node()

@@ -112,8 +112,8 @@ def test_levels_are_a_service_on_request(ros):
     ros.executor.add_node(node)
     setter = node.create_client(SetLoggerLevels, "n/set_logger_levels")
     getter = node.create_client(GetLoggerLevels, "n/get_logger_levels")
-    assert setter.wait_for_service(5)
-    assert getter.wait_for_service(5)
+    assert setter.wait_for_service(20.0)
+    assert getter.wait_for_service(20.0)
     request = SetLoggerLevels.Request()
     request.levels = [rcl_level("n", 10), rcl_level("n", 11)]
     results = ros.result(setter.call_async(request)).results

@@ -122,7 +122,7 @@ def test_a_node_without_services(ros):
 def test_the_services_are_plain_services(ros, node):
     node.declare_parameter("gain", 1.5)
     client = ros.node("asking").create_client(GetParameters, "/n/get_parameters")
-    assert client.wait_for_service(5.0)
+    assert client.wait_for_service(20.0)
     response = ros.result(client.call_async(GetParameters.Request(names=["gain"])))
     assert response.values[0].double_value == 1.5
     names = {name.rpartition("/")[2] for name, _ in node.get_service_names_and_types()}

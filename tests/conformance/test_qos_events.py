@@ -91,8 +91,14 @@ def test_events_add_up(ros, node):
 def test_by_default_incompatible_qos_is_a_warning(ros, node, capfd):
     node.create_publisher(Float64, "x", BEST_EFFORT)
     node.create_subscription(Float64, "x", print, 1)
-    ros.spin_for(0.1)
-    errors = capfd.readouterr().err
+    errors = ""
+
+    def both_told():
+        nonlocal errors
+        errors += capfd.readouterr().err
+        return errors.count("incompatible QoS") == 2
+
+    ros.spin_until(both_told)
     assert "[WARN]" in errors
     end = "Last incompatible policy: RELIABILITY"
     for text in (
@@ -212,7 +218,7 @@ def test_a_callback_that_raises_raises_out_of_spin(ros, node):
     node.create_publisher(Float64, "x", 1, event_callbacks=PublisherEventCallbacks(matched=boom))
     node.create_subscription(Float64, "x", print, 1)
     with pytest.raises(ValueError, match="boom"):
-        ros.spin_until(lambda: False, 5.0)
+        ros.spin_until(lambda: False)
 
 
 def test_callbacks_are_given_by_name():

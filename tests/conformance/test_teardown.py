@@ -124,7 +124,7 @@ def test_entities_come_and_go_while_another_thread_spins(ros, executor_class):
         node.destroy_timer(timer)
         node.destroy_publisher(publisher)
     executor.shutdown()
-    spinner.join(10)
+    spinner.join(20)
     assert not spinner.is_alive()
     node.destroy_node()
 
@@ -139,7 +139,7 @@ def test_nodes_come_and_go_while_another_thread_spins(ros):
         ros.executor.remove_node(node)
         node.destroy_node()
     ros.executor.shutdown()
-    spinner.join(10)
+    spinner.join(20)
     assert not spinner.is_alive()
 
 
@@ -154,7 +154,7 @@ def test_a_callback_may_destroy_its_own_node(ros):
         node.destroy_node()
 
     node.create_timer(0.0, destroy)
-    executor.spin_once(timeout_sec=5)
+    executor.spin_once(timeout_sec=20)
     executor.remove_node(node)
     executor.spin_once(timeout_sec=0.01)
     assert calls == [1]
@@ -182,7 +182,7 @@ def test_the_context_may_end_while_threads_spin():
         spinner.start()
     context.shutdown()
     for spinner in spinners:
-        spinner.join(10)
+        spinner.join(20)
     assert len(outcomes) == 3
     for node in nodes:
         node.destroy_node()

@@ -13,7 +13,7 @@ def test_one_message_can_be_waited_for(ros):
     sender, waiter = Node("sender", context=ros.context), Node("waiter", context=ros.context)
     profile = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     sender.create_publisher(String, "s", profile).publish(String(data="x"))
-    found = wait_for_message(String, waiter, "s", qos_profile=profile, time_to_wait=5)
+    found = wait_for_message(String, waiter, "s", qos_profile=profile, time_to_wait=20)
     assert found == (True, String(data="x"))
     assert wait_for_message(String, waiter, "none", time_to_wait=0.01) == (False, None)
     sender.destroy_node()
@@ -30,8 +30,8 @@ def test_a_message_that_comes_later_is_waited_for(ros):
 
     sender = threading.Thread(target=publish)
     sender.start()
-    assert wait_for_message(Float64, waiter, "x", time_to_wait=10) == (True, Float64(data=3.0))
-    sender.join(5)
+    assert wait_for_message(Float64, waiter, "x", time_to_wait=20) == (True, Float64(data=3.0))
+    sender.join(20)
     assert publisher.get_subscription_count() == 0
     waiter.destroy_node()
 

@@ -19,4 +19,4 @@ def spin_in_thread(ros):
     spinner = threading.Thread(target=spin)
     yield spinner.start
     ros.executor.shutdown()
-    spinner.join(5)
+    spinner.join(20)

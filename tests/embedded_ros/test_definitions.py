@@ -88,7 +88,7 @@ def test_descriptions_of_types_have_the_hash_of_the_type(name):
 def test_a_node_describes_the_types_it_uses(ros):
     node = ros.create(Node, "n")
     client = node.create_client(GetTypeDescription, "n/get_type_description")
-    assert client.wait_for_service(5)
+    assert client.wait_for_service(20.0)
     request = GetTypeDescription.Request(type_name="rcl_interfaces/msg/ParameterEvent")
     response = ros.result(client.call_async(request))
     assert response.successful

@@ -68,10 +68,10 @@ def test_a_peer_that_is_killed_disappears_and_nothing_hangs(ros, peer):
     publisher = node.create_publisher(Float64, "to_peer", 10)
     client = node.create_client(Trigger, "of_peer")
     ros.spin_until(lambda: received and publisher.get_subscription_count())
-    assert client.wait_for_service(5.0)
+    assert client.wait_for_service(20.0)
     assert ros.result(client.call_async(Trigger.Request())) is not None
     peer.send_signal(signal.SIGKILL)
-    peer.wait(5)
+    peer.wait(20)
     # Nobody knows yet: what is sent meanwhile must not block.
     start = time.monotonic()
     for _ in range(100):
@@ -79,8 +79,8 @@ def test_a_peer_that_is_killed_disappears_and_nothing_hangs(ros, peer):
     pending = client.call_async(Trigger.Request())
     ros.executor.spin_once(timeout_sec=0.01)
     assert time.monotonic() - start < LEASE
-    ros.spin_until(lambda: node.get_node_names() == ["n"], LEASE + 10)
-    ros.spin_until(lambda: publisher.get_subscription_count() == 0, 5)
+    ros.spin_until(lambda: node.get_node_names() == ["n"], LEASE + 20)
+    ros.spin_until(lambda: publisher.get_subscription_count() == 0)
     assert not client.service_is_ready()
     assert "/from_peer" in dict(node.get_topic_names_and_types())
     assert node.count_publishers("from_peer") == 0

@@ -202,7 +202,7 @@ def test_rate(robot):
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=TIMEOUT_S)
     rate = re.fullmatch(r"average rate: (\d+\.\d{3})\n", lines[0])
-    assert 20 < float(rate[1]) < 80
+    assert 5 < float(rate[1]) < 200  # 50 Hz, on a busy machine less
     assert re.fullmatch(
         r"\tmin: \d\.\d{3}s max: \d\.\d{3}s std dev: \d\.\d{5}s window: 20\n", lines[1]
     )

@@ -120,7 +120,7 @@ def test_ros_discovery_info_is_what_rmw_reads(ros):
     from cyclonedds._clayer import ddspy_take
 
     samples = []
-    ros.spin_until(lambda: samples.extend(ddspy_take(reader._ref, 0x7F, 10)) or samples, 5)
+    ros.spin_until(lambda: samples.extend(ddspy_take(reader._ref, 0x7F, 10)) or samples)
     info = Info.deserialize(samples[-1][0])
     assert bytes(info.gid.data) == node._session.guid
     (entry,) = [item for item in info.node_entities_info_seq if item.node_name == "n"]
@@ -184,7 +184,7 @@ def test_a_wait_for_a_message_goes_on_after_what_is_none(ros):
     publisher = node.create_publisher(String, "s", latched)
     publisher.publish(bytes.fromhex("00010000 ff000000 61620000"))
     publisher.publish(String(data="a"))
-    found = wait_for_message(String, node, "/s", qos_profile=latched, time_to_wait=5)
+    found = wait_for_message(String, node, "/s", qos_profile=latched, time_to_wait=20)
     assert found == (True, String(data="a"))
 
 

@@ -31,7 +31,7 @@ def write_until_trouble(writer, topic) -> int:
     """Write in small steps until the disk refuses; return the number of messages."""
     count = 0
     while not writer.trouble:
-        for _ in range(50):
+        for _ in range(120):
             writer.write(topic, count, data(count))
             count += 1
         wait_until(lambda count=count: writer.trouble or writer.message_count == count)

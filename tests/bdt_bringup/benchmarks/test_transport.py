@@ -44,11 +44,22 @@ def test_starting_with_rclpy_takes_longer_than_without(monkeypatch):
     assert imported.value < with_node.value
 
 
-def test_the_loop_runs_in_processes_in_one_and_without_recorder():
+def test_the_loop_is_compared_with_one_process_and_with_no_recorder(monkeypatch):
+    paces = {(): 6.0, ("--processes", "single"): 8.0, ("--no-bag",): 12.0}
+    monkeypatch.setattr(transport, "_loop_factor", lambda _, options: paces[tuple(options)])
     factor, ticks, recorded = transport.lockstep_real_time_factor(TINY)
-    assert factor.value > 0
-    assert recorded.value == ticks.value == pytest.approx(500 * factor.value)
-    assert recorded.ratio != ticks.ratio
+    assert (factor.value, factor.reference_value, factor.ratio) == (6.0, 8.0, 0.75)
+    assert (ticks.value, ticks.reference_value, ticks.ratio) == (3000.0, 4000.0, 0.75)
+    assert (recorded.value, recorded.reference_value, recorded.ratio) == (3000.0, 6000.0, 0.5)
+
+
+def test_the_pace_of_the_loop_is_that_of_a_run():
+    assert transport._loop_factor(1.0, transport.SINGLE) > 0
+
+
+def test_a_loop_that_fails_is_quoted():
+    with pytest.raises(transport.TransportError, match="invalid choice: 'warp'"):
+        transport._loop_factor(1.0, ["--mode", "warp"])
 
 
 def test_an_end_that_fails_is_quoted():

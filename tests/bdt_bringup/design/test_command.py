@@ -5,6 +5,7 @@ import json
 import pytest
 
 from bdt_bringup.cli import run_command
+from bdt_bringup.design import command
 from bdt_controller.pid import PidGains
 
 
@@ -22,6 +23,13 @@ def test_the_printed_gains_are_the_shipped_ones_and_meet_the_demands_of_the_pape
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.fixture
+def designed(design, monkeypatch):
+    """Give the command its design at once: what becomes of it is tested."""
+    monkeypatch.setattr(command, "design_pid", lambda _: design)
+
+
+@pytest.mark.usefixtures("designed")
 def test_without_json_there_are_tables(tmp_path, capsys):
     picture = tmp_path / "design.png"
     assert run_command(["design", "--output", str(picture)]) == 0
@@ -30,6 +38,7 @@ def test_without_json_there_are_tables(tmp_path, capsys):
     assert "smallest_phase_margin_deg" in out
 
 
+@pytest.mark.usefixtures("designed")
 def test_a_picture_that_cannot_be_written_is_one_line_and_exit_code_two(tmp_path, capsys):
     assert run_command(["design", "--output", str(tmp_path / "no" / "design.png")]) == 2
     err = capsys.readouterr().err

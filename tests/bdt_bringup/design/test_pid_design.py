@@ -53,11 +53,6 @@ def gains_for(lead, filter_time, integral_time=0.1, bandwidth=10.0):
     return (size, size / integral_time, size * lead, filter_time)
 
 
-@pytest.fixture(scope="module")
-def design():
-    return design_pid(PlantModel())
-
-
 def test_the_first_crossover_is_at_10_rad_per_s(design):
     crossovers, _, _ = margins_at(astuple(design.gains))
     assert crossovers[0] == pytest.approx(10.0, rel=2e-3)

@@ -22,7 +22,7 @@ from bdt_bringup.bag_writing.bag_files import BagFiles
 from bdt_bringup.bag_writing.recorded_topic import recorded_topic
 
 TOPICS = ("/count", "/again")
-PERIOD = 2e-3
+PERIOD = 5e-3
 LONGEST = 3.0
 """Nothing is killed later than this after its first message [s]."""
 

@@ -1,19 +1,30 @@
-"""``bdt reproduce`` as a user runs it."""
+"""``bdt reproduce``: all claims, figures and the page, with fewer values of the other choices."""
 
 import json
 import re
+from dataclasses import replace
 
 import pytest
 
 from bdt_bringup.cli import run_command
+from bdt_bringup.reproduction.command import run_reproduction
+from bdt_bringup.reproduction.size import ReproductionSize
+from bdt_bringup.reproduction.sweeps import open_choices
 
 PAPER_FIGURES = ("figure_2.png", "figure_3.png", "figure_4.png", "figure_6.png", "figure_7.png")
+FEWER = ReproductionSize(
+    choices=tuple(
+        replace(choice, values=(choice.values[0], choice.values[-1])) for choice in open_choices()
+    ),
+    stiffness_factors=(0.8, 1.0, 60.0),
+)
+"""All delays, on which claims rest, and the ends of what is only drawn."""
 
 
 @pytest.fixture(scope="module")
 def output(tmp_path_factory):
     folder = tmp_path_factory.mktemp("reproduction") / "new"
-    assert run_command(["reproduce", "--output", str(folder), "--json"]) == 0
+    assert run_reproduction(folder, FEWER, as_json=True) == 0
     return folder
 
 
@@ -60,12 +71,16 @@ def test_json_prints_the_claims(output, capsys, monkeypatch):
     claims = json.loads((output / "claims.json").read_text(encoding="utf-8"))
     failing = command.Claim("fig7_x", "It is so.", 1.0, "m", holds=False, meaning="made up")
     nothing = command.Reproduction((failing,), {}, (), (), ())
-    monkeypatch.setattr(command, "reproduce", lambda *_: nothing)
+    sizes = []
+    monkeypatch.setattr(command, "reproduce", lambda _, size, __: sizes.append(size) or nothing)
     assert run_command(["reproduce", "--output", str(output), "--json"]) == 1
     printed = capsys.readouterr()
     assert json.loads(printed.out) == [failing.to_dictionary()]
     assert printed.err.splitlines()[-1] == "error: 1 claims do not hold"
     assert claims != json.loads(printed.out)
+    assert len(sizes[0].choices) == len(FEWER.choices)
+    assert all(len(choice.values) >= 4 for choice in sizes[0].choices)
+    assert len(sizes[0].stiffness_factors) == 14
 
 
 def test_a_file_in_place_of_the_folder_is_one_line_and_exit_code_2(tmp_path, capsys):

@@ -11,25 +11,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rclpy.node import Node
 from rosbags.highlevel import AnyReader
-from rosgraph_msgs.msg import Clock
 
 from bdt_bringup.recovery.recover_bag import recover_bag
-from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import read_position, read_samples, read_voltage
-from bdt_msgs_py.topics import CLOCK, GAP_JOINT, TELEMETRY_COLUMNS
+from bdt_msgs_py.topics import GAP_JOINT, TELEMETRY_COLUMNS
 
 CONFIG = Path(__file__).parents[3] / "config"
 DEADLINE = 60.0
+ONE_SECOND = 250_000
+"""Size of the recording of a second [byte]."""
+VICTIMS = ("plant", "controller", "twin", "recorder")
 
 
-def bdt(*arguments):
+def bdt(*arguments, domain=None):
+    chosen = {} if domain is None else {"ROS_DOMAIN_ID": str(domain)}
     return subprocess.Popen(
         [sys.executable, "-m", "bdt_bringup.cli", *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        env=os.environ | chosen,
     )
 
 
@@ -66,14 +68,21 @@ def children(pid):
     return nodes
 
 
-def wait_for_the_loop(ros):
-    """Wait until simulated time runs, in the domain of this test process."""
-    listener = ros.create(Node, "listener")
-    times = []
-    listener.create_subscription(
-        Clock, CLOCK.name, lambda message: times.append(message.clock.sec), qos_profile(CLOCK)
-    )
-    ros.spin_until(lambda: times and times[-1] >= 1, DEADLINE)
+def wait_for_the_loop(process, output):
+    """Wait until the loop has run for about a second of simulated time: the bag grows."""
+
+    def running():
+        assert process.poll() is None, process.communicate()[1]
+        return sum(file.stat().st_size for file in output.glob("bag/*")) > ONE_SECOND
+
+    wait_for(running, "the loop runs")
+
+
+def endless(output, *arguments, domain=None):
+    """Start a loop that ends with a signal only, and wait until it runs."""
+    process = bdt("run", "--duration", "1000", "--output", output, *arguments, domain=domain)
+    wait_for_the_loop(process, output)
+    return process
 
 
 def alive(pid):
@@ -100,12 +109,29 @@ def contents(bag):
 
 
 @pytest.fixture(scope="module")
-def twelve_seconds(tmp_path_factory):
-    """One run in separate processes, for all tests that look at its result."""
-    output = tmp_path_factory.mktemp("run") / "separate"
-    code, out, err = run("--duration", "12", "--output", output, "--json")
-    assert code == 0, err
-    return output, json.loads(out)
+def three_runs(tmp_path_factory, claim_domain):
+    """Return folder and summary of three runs at the same time, each in a domain of its own."""
+    folder = tmp_path_factory.mktemp("runs")
+    modes = {"separate": "separate", "single": "single", "again": "separate"}
+    arguments = ("run", "--config", CONFIG / "paper.yaml", "--duration", "12", "--json")
+    started = {
+        folder / name: bdt(
+            *arguments, "--processes", mode, "--output", folder / name, domain=claim_domain()
+        )
+        for name, mode in modes.items()
+    }
+    summaries = []
+    for output, process in started.items():
+        code, out, err = finished(process)
+        assert code == 0, err
+        summaries.append((output, json.loads(out)))
+    return summaries
+
+
+@pytest.fixture
+def twelve_seconds(three_runs):
+    """Return folder and summary of the first of the runs, in separate processes."""
+    return three_runs[0]
 
 
 def test_a_run_leaves_a_bag_logs_a_report_and_a_summary(twelve_seconds):
@@ -136,14 +162,9 @@ def test_the_twin_reconfigures_the_controller_during_a_run(twelve_seconds):
     assert not any(step["limit_cycle"] for step in summary["steps"])
 
 
-def test_one_process_or_many_and_one_run_or_the_next_give_the_same_bytes(twelve_seconds, tmp_path):
-    output, _ = twelve_seconds
-    expected = contents(output / "bag")
-    for processes in ("single", "separate"):
-        again = tmp_path / processes
-        code, _, err = run("--duration", "12", "--output", again, "--processes", processes)
-        assert code == 0, err
-        telemetry, commands, estimates = contents(again / "bag")
+def test_one_process_or_many_and_one_run_or_the_next_give_the_same_bytes(three_runs):
+    expected, *others = (contents(output / "bag") for output, _ in three_runs)
+    for telemetry, commands, estimates in others:
         np.testing.assert_array_equal(telemetry, expected[0])
         assert commands == expected[1]
         assert estimates == expected[2]
@@ -152,34 +173,45 @@ def test_one_process_or_many_and_one_run_or_the_next_give_the_same_bytes(twelve_
 def test_real_time_takes_as_long_as_the_simulated_time(tmp_path):
     begin = time.monotonic()
     code, out, err = run(
-        "--duration", "3", "--mode", "realtime", "--output", tmp_path / "run", "--json"
+        "--duration", "2", "--mode", "realtime", "--output", tmp_path / "run", "--json"
     )
     assert code == 0, err
-    assert time.monotonic() - begin > 3.0
+    assert time.monotonic() - begin > 2.0
     # In lockstep it is above 3; a busy machine is late with the first or the last message.
     assert 0.3 < json.loads(out)["real_time_factor"] < 2.0
 
 
 def test_without_a_bag_there_is_no_report(tmp_path):
-    code, out, err = run("--duration", "1", "--output", tmp_path / "run", "--no-bag", "--json")
+    # Of a run that is over in a moment nobody may have seen more than the end.
+    code, out, err = run("--duration", "10", "--output", tmp_path / "run", "--no-bag", "--json")
     assert code == 0, err
     pace = json.loads(out)
-    assert pace["duration"] == 1.0
+    assert pace["duration"] == 10.0
     assert pace["real_time_factor"] > 0
     assert not (tmp_path / "run" / "bag").exists()
     assert not (tmp_path / "run" / "report.html").exists()
 
 
-@pytest.mark.parametrize("victim", ["plant", "controller", "twin", "recorder"])
-def test_a_node_that_is_killed_ends_the_run_with_its_name_and_leaves_no_process(
-    ros, tmp_path, victim
-):
-    process = bdt(
-        "run", "--config", CONFIG / "paper.yaml", "--duration", "1000", "--output", tmp_path / "r"
-    )
-    nodes = wait_for(lambda: (n := children(process.pid)) and len(n) == 4 and n, "four nodes")
-    wait_for_the_loop(ros)
-    os.kill(nodes[victim], signal.SIGKILL)
+@pytest.fixture(scope="module")
+def bereaved(tmp_path_factory, claim_domain):
+    """Return runs of which one node was killed: process and nodes by victim.
+
+    Each ends while the next one starts, because DDS gives the dead a few seconds to answer.
+    """
+    folder = tmp_path_factory.mktemp("bereaved")
+    runs = {}
+    for victim in VICTIMS:
+        process = endless(folder / victim, domain=claim_domain())
+        nodes = children(process.pid)
+        os.kill(nodes[victim], signal.SIGKILL)
+        runs[victim] = process, nodes
+    return runs
+
+
+@pytest.mark.parametrize("victim", VICTIMS)
+def test_a_node_that_is_killed_ends_the_run_with_its_name_and_leaves_no_process(bereaved, victim):
+    process, nodes = bereaved[victim]
+    assert set(nodes) == set(VICTIMS)
     code, _, err = finished(process)
     assert code == 1
     assert f"error: node {victim}: killed by SIGKILL" in err
@@ -188,11 +220,11 @@ def test_a_node_that_is_killed_ends_the_run_with_its_name_and_leaves_no_process(
 
 
 @pytest.mark.parametrize("processes", ["separate", "single"])
-def test_ctrl_c_stops_everything_and_keeps_the_bag(ros, tmp_path, processes):
+def test_ctrl_c_stops_everything_and_keeps_the_bag(tmp_path, processes):
     output = tmp_path / "run"
-    process = bdt("run", "--duration", "1000", "--output", output, "--processes", processes)
-    wait_for_the_loop(ros)
+    process = endless(output, "--processes", processes)
     nodes = children(process.pid)
+    assert len(nodes) == (4 if processes == "separate" else 0)
     process.send_signal(signal.SIGINT)
     code, _, err = finished(process)
     assert code == 130
@@ -202,42 +234,38 @@ def test_ctrl_c_stops_everything_and_keeps_the_bag(ros, tmp_path, processes):
     assert len(contents(output / "bag")[0]) > 0
 
 
-def test_nodes_do_not_outlive_a_run_that_is_killed(ros, tmp_path):
-    process = bdt("run", "--duration", "1000", "--output", tmp_path / "run")
-    nodes = wait_for(lambda: (n := children(process.pid)) and len(n) == 4 and n, "four nodes")
-    wait_for_the_loop(ros)
-    process.kill()
-    process.communicate(timeout=DEADLINE)
+def test_a_second_loop_in_the_same_domain_is_refused_and_nodes_do_not_outlive_a_killed_run(
+    tmp_path, claim_domain
+):
+    domain = claim_domain()
+    first = endless(tmp_path / "first", domain=domain)
+    second = bdt("run", "--duration", "1", "--output", tmp_path / "second", domain=domain)
+    code, _, err = finished(second)
+    assert code == 2
+    assert "error: a plant already runs in this ROS domain" in err
+    nodes = children(first.pid)
+    assert set(nodes) == set(VICTIMS)
+    first.kill()
+    first.communicate(timeout=DEADLINE)
     wait_for(lambda: not any(alive(pid) for pid in nodes.values()), "the nodes are gone")
 
 
-def test_a_second_loop_in_the_same_domain_is_refused(ros, tmp_path):
-    first = bdt("run", "--duration", "1000", "--output", tmp_path / "first")
-    wait_for_the_loop(ros)
-    code, _, err = run("--duration", "1", "--output", tmp_path / "second")
-    first.send_signal(signal.SIGINT)
-    finished(first)
-    assert code == 2
-    assert "error: a plant already runs in this ROS domain" in err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (["run", "--config", "no_such.yaml"], "configuration no_such.yaml: cannot be read"),
-        (["run", "--duration", "0"], "--duration 0.0 s: must be above 0"),
-        (["run", "--duration", "soon"], "invalid float value: 'soon'"),
-        (["run", "--mode", "warp"], "invalid choice: 'warp'"),
-        (["analyze", "no_such_bag"], "no_such_bag"),
-        (["fly"], "invalid choice: 'fly'"),
-        ([], "required: COMMAND"),
-    ],
-)
-def test_bad_input_is_one_line_and_exit_code_two(arguments, says):
-    code, _, err = finished(bdt(*arguments))
-    assert code == 2
-    assert says in err
-    assert "Traceback" not in err
+def test_bad_input_is_one_line_and_exit_code_two():
+    cases = {
+        ("run", "--config", "no_such.yaml"): "configuration no_such.yaml: cannot be read",
+        ("run", "--duration", "0"): "--duration 0.0 s: must be above 0",
+        ("run", "--duration", "soon"): "invalid float value: 'soon'",
+        ("run", "--mode", "warp"): "invalid choice: 'warp'",
+        ("analyze", "no_such_bag"): "no_such_bag",
+        ("fly",): "invalid choice: 'fly'",
+        (): "required: COMMAND",
+    }
+    started = [bdt(*arguments) for arguments in cases]
+    for says, process in zip(cases.values(), started, strict=True):
+        code, _, err = finished(process)
+        assert says in err
+        assert code == 2, err
+        assert "Traceback" not in err
 
 
 def test_a_domain_id_that_is_not_one_is_bad_input(tmp_path, monkeypatch):
@@ -248,9 +276,9 @@ def test_a_domain_id_that_is_not_one_is_bad_input(tmp_path, monkeypatch):
 
 
 def test_a_full_disk_ends_the_recording_and_not_the_loop(tmp_path):
-    # Half of what the recorder has to write.
-    space = 400_000
-    command = ["run", "--config", CONFIG / "paper.yaml", "--duration", "3", "--output", tmp_path]
+    # More than half of what the recorder has to write; it writes when it has a megabyte.
+    space = 1_600_000
+    command = ["run", "--config", CONFIG / "paper.yaml", "--duration", "10", "--output", tmp_path]
     process = subprocess.Popen(
         [sys.executable, "-m", "bdt_bringup.cli", *map(str, command)],
         stdout=subprocess.PIPE,
@@ -261,7 +289,7 @@ def test_a_full_disk_ends_the_recording_and_not_the_loop(tmp_path):
     code, _, err = finished(process)
     assert code == 1
     bag = tmp_path / "bag"
-    assert "t =    3.0 s" in err
+    assert "t =   10.0 s" in err
     assert err.endswith(
         f"error: {bag} has no end, see {tmp_path / 'log'}: `bdt recover` makes a whole one of it\n"
     )

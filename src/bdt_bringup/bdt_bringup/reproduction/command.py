@@ -1,6 +1,7 @@
 """``bdt reproduce``: every simulation of the paper again, with figures, claims and sweeps."""
 
 import json
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from bdt_bringup.reproduction.claims import CLAIMS, Claim
 from bdt_bringup.reproduction.design_claims import design_claims
 from bdt_bringup.reproduction.experiments import Choices, Experiment, run_paper
 from bdt_bringup.reproduction.page import reproduction_page
+from bdt_bringup.reproduction.size import ReproductionSize
 from bdt_bringup.running.configuration import BadInputError
 from bdt_bringup.simulation.accuracy import Convergence, convergence_study
 from bdt_plant.plant import PlantModel
@@ -32,11 +34,8 @@ from bdt_plant.plant import PlantModel
 PAGE_FILE = "index.html"
 CLAIMS_FILE = "claims.json"
 
-GAPS = np.deg2rad([2.5, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0])
-"""Constant gaps at which limit cycles are predicted and simulated [rad]."""
-
-STIFFNESS_FACTORS = np.geomspace(0.8, 60.0, 14)
-"""Factors on the stiffness at which they are compared again."""
+STIFFNESS_GAP = math.radians(10.0)
+"""Gap at which limit cycles are compared over the stiffness [rad]."""
 
 
 @dataclass(frozen=True)
@@ -64,13 +63,15 @@ class Reproduction:
     accuracy: tuple[Convergence, ...]
 
 
-def run_reproduction(output: Path, *, as_json: bool) -> int:
+def run_reproduction(output: Path, size: ReproductionSize | None = None, *, as_json: bool) -> int:
     """Redo the paper, write figures, ``index.html`` and ``claims.json``, print the claims.
 
     Parameters
     ----------
     output : Path
         Folder, created if necessary; results of an earlier run are replaced.
+    size : ReproductionSize, optional
+        How much is tried beyond the figures of the paper; all by default.
     as_json : bool
         Print ``claims.json`` instead of a table.
 
@@ -87,7 +88,7 @@ def run_reproduction(output: Path, *, as_json: bool) -> int:
     try:
         output.mkdir(parents=True, exist_ok=True)
         with _progress() as progress:
-            result = reproduce(Choices(), progress)
+            result = reproduce(Choices(), size or ReproductionSize(), progress)
             task = progress.add_task("writing figures", total=None)
             write_reproduction(result, output)
             progress.remove_task(task)
@@ -103,13 +104,17 @@ def run_reproduction(output: Path, *, as_json: bool) -> int:
     return sum(not claim.holds for claim in result.claims)
 
 
-def reproduce(choices: Choices, progress: Progress | None = None) -> Reproduction:
+def reproduce(
+    choices: Choices, size: ReproductionSize, progress: Progress | None = None
+) -> Reproduction:
     """Run all simulations and draw all figures.
 
     Parameters
     ----------
     choices : Choices
         What the paper leaves open.
+    size : ReproductionSize
+        How much is tried beyond the figures of the paper.
     progress : Progress, optional
         Told what is being computed.
     """
@@ -133,19 +138,19 @@ def reproduce(choices: Choices, progress: Progress | None = None) -> Reproductio
             **_loop_figures("figure_7", runs.reconfigured),
         }
     with stage("communication delays"):
-        sweep = delays.sweep_delays(choices)
+        sweep = delays.sweep_delays(choices, size.delays, size.random_delays)
         figures["delays.png"] = delays.delay_figure(sweep, choices.amplitude)
     with stage("dead-zone widths"):
-        widths = dead_zone_widths.sweep_widths(choices)
+        widths = dead_zone_widths.sweep_widths(choices, size.dead_zone_ratios)
         figures["dead_zone_widths.png"] = dead_zone_widths.width_figure(widths)
     with stage("other choices"):
-        survivals = sweeps.sweep_choices(sweeps.open_choices())
+        survivals = sweeps.sweep_choices(size.choices)
         figures["choices.png"] = sweeps.survival_figure(survivals)
     with stage("limit cycles, predicted and simulated"):
         model = PlantModel()
-        over_gap = compare_over_gap(model, choices.gains, GAPS)
+        over_gap = compare_over_gap(model, choices.gains, np.array(size.gaps))
         over_stiffness = compare_over_stiffness(
-            model, choices.gains, float(GAPS[2]), STIFFNESS_FACTORS
+            model, choices.gains, STIFFNESS_GAP, np.array(size.stiffness_factors)
         )
         figures["limit_cycles.png"] = limit_cycle_figure(model, over_gap, over_stiffness)
     with stage("accuracy of the kernel"):
