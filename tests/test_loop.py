@@ -13,8 +13,9 @@ from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import read_samples
 from bdt_msgs_py.topics import TELEMETRY, TELEMETRY_COLUMNS
 from bdt_plant.gap_profile import GapProfile
-from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_node import PlantNode
+from bdt_plant.plant_simulator import PlantSimulator
 from bdt_twin.dead_zone_width import tolerance_for_gap
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.twin_node import TwinNode

@@ -9,7 +9,8 @@ from bdt_plant.compiled_period import compiled_hold_period
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.motor import MotorParameters
-from bdt_plant.plant import PlantModel, PlantSimulator, Sampling, hold_period
+from bdt_plant.plant import PlantModel, Sampling, hold_period
+from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters
 
 PLANTS = {

@@ -10,15 +10,8 @@ from scipy.integrate import solve_ivp
 from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile, gap_at
 from bdt_plant.motor import MotorParameters, MotorState
-from bdt_plant.plant import (
-    AT_REST,
-    PlantModel,
-    PlantSimulator,
-    PlantState,
-    Sampling,
-    discretize_plant,
-    plant_step,
-)
+from bdt_plant.plant import AT_REST, PlantModel, PlantState, Sampling, discretize_plant, plant_step
+from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.sensor import Sensor, SensorParameters
 from bdt_plant.structure import StructureState
 

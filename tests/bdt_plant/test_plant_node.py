@@ -29,8 +29,9 @@ from bdt_msgs_py.writing import motor_voltage, platform_position, progress
 from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.motor import MotorParameters
-from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_node import PlantNode
+from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.sensor import SensorParameters
 
 PERIOD = 2_000_000

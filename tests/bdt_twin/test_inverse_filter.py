@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 from bdt_plant import compilation
 from bdt_plant.gap_profile import GapProfile
-from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.plant_simulator import PlantSimulator
 from bdt_twin.angle_observer import AngleObserver
 from bdt_twin.contact import compiled_sums
 from bdt_twin.estimator import TelemetryRejectedError

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from bdt_plant import compilation
 from bdt_plant.gap_profile import GapProfile, gap_at
 from bdt_plant.motor import MotorParameters
-from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.structure import StructureParameters
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.estimator import TelemetryRejectedError

@@ -23,7 +23,8 @@ from bdt_msgs_py.topics import (
 )
 from bdt_msgs_py.writing import sample_message, stamp_from_nanoseconds
 from bdt_plant.gap_profile import GapProfile
-from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.plant_simulator import PlantSimulator
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.twin_node import TwinNode
 

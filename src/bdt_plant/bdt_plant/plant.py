@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_msgs_py.quantities import quantity, validate
-from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, saturated
 from bdt_plant.friction import FrictionStep, discretize_friction, frictional_motor_step
-from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.lead_screw import LeadScrewParameters, contact_side, play
 from bdt_plant.motor import (
     MotorParameters,
@@ -20,7 +18,6 @@ from bdt_plant.motor import (
     motor_step,
 )
 from bdt_plant.motor_path import ContactStep, add_motor_path, discretize_contact
-from bdt_plant.sensor import IDEAL_SENSOR, Sensor, SensorParameters
 from bdt_plant.structure import (
     StructureParameters,
     StructureState,
@@ -30,9 +27,6 @@ from bdt_plant.structure import (
 )
 
 FloatArray = NDArray[np.float64]
-
-SAMPLES_AT_A_TIME = 1000
-"""Samples for which a simulator reckons times and gaps at a time."""
 
 
 @dataclass(frozen=True)
@@ -180,123 +174,3 @@ def hold_period(
         state = plant_step(state, voltage, float(gaps[n]), step)
         positions[n] = state.structure.q3
     return state
-
-
-class PlantSimulator:
-    """A plant that runs: discrete model, state and sample counter.
-
-    Parameters
-    ----------
-    model : PlantModel
-        Constants of the mechanism.
-    profile : GapProfile
-        Growth of the gap.
-    sampling : Sampling
-        Rates.
-    sensor : SensorParameters
-        Sensor of platform 3.
-    actuator : ActuatorParameters
-        Amplifier of the motor.
-    period : callable
-        :func:`hold_period`, or what gives the same floats in less time.
-
-    Attributes
-    ----------
-    state : PlantState
-        True state.
-    sample : int
-        Number of samples advanced.
-    saturated_steps : int
-        Number of control periods in which the voltage was limited.
-    """
-
-    def __init__(
-        self,
-        model: PlantModel,
-        profile: GapProfile,
-        sampling: Sampling,
-        sensor: SensorParameters = IDEAL_SENSOR,
-        actuator: ActuatorParameters = IDEAL_ACTUATOR,
-        period: HoldPeriod = hold_period,
-    ) -> None:
-        self._profile = profile
-        self._sampling = sampling
-        step = discretize_plant(model, 1.0 / sampling.sampling_rate)
-        # A pitch written as 1 is an int, for which nothing is compiled.
-        self._step = step._replace(pitch=float(step.pitch))
-        self._period = period
-        self._periods: list[tuple[FloatArray, FloatArray]] = []
-        # Without a gap the motor drives the screw from the very first sample.
-        self.state = AT_REST._replace(contact=contact_side(0.0, 0.0, gap_at(profile, 0.0)))
-        self.sample = self.saturated_steps = 0
-        self._voltage_limit = actuator.limit
-        self._sensor = Sensor(sensor, sampling.sampling_rate)
-        self._reading = self._sensor.read(self.state.structure.q3)
-
-    @property
-    def time(self) -> float:
-        """Simulated time [s]; computed from the sample counter, so it does not drift."""
-        return self.sample / self._sampling.sampling_rate
-
-    @property
-    def nanoseconds(self) -> int:
-        """Simulated time rounded to nanoseconds."""
-        return round(self.sample * 1e9 / self._sampling.sampling_rate)
-
-    @property
-    def position(self) -> float:
-        """Position q3 of platform 3 as the sensor reads it at this sample [m]."""
-        return self._reading
-
-    @property
-    def dropped_samples(self) -> int:
-        """Number of samples that the sensor dropped."""
-        return self._sensor.dropped
-
-    def truth(self) -> tuple[float, float, float, float, float, float, float]:
-        """Return the true (t, theta_m, theta_d, gap, q1, q2, q3) now; see ``TRUTH_COLUMNS``."""
-        motor, theta_d, _, structure = self.state
-        return (
-            self.time,
-            motor.angle,
-            theta_d,
-            gap_at(self._profile, self.time),
-            self._step.pitch * theta_d,
-            structure.q2,
-            structure.q3,
-        )
-
-    def advance(self, voltage: float) -> FloatArray:
-        """Advance to the next measurement with `voltage` [V] held, as far as the actuator can.
-
-        Returns
-        -------
-        ndarray, shape (samples_per_control_step, 3)
-            Telemetry rows (t [s], u [V], q3 [m]) of the samples passed, the first one being the
-            sample at which the voltage was applied: the voltage as applied, q3 as read.
-        """
-        applied = saturated(float(voltage), self._voltage_limit)
-        self.saturated_steps += applied != voltage
-        gaps, rows = self._next_period()
-        positions = np.empty(gaps.size)
-        self.state = self._period(self.state, applied, gaps, self._step, positions)
-        readings = self._sensor.read_all(positions)
-        rows[:, 1] = applied
-        rows[0, 2], rows[1:, 2] = self._reading, readings[:-1]
-        self._reading = float(readings[-1])
-        self.sample += gaps.size
-        return rows
-
-    def _next_period(self) -> tuple[FloatArray, FloatArray]:
-        """Return the gaps [rad] until the next measurement, and rows with the times [s]."""
-        if not self._periods:
-            # Some periods at a time: with ten numbers a call of numpy is mostly overhead.
-            count = self._sampling.samples_per_control_step
-            periods = max(SAMPLES_AT_A_TIME // count, 1)
-            samples = np.arange(self.sample, self.sample + periods * count + 1)
-            times = samples / self._sampling.sampling_rate
-            gaps = gaps_at(self._profile, times[1:]).reshape(periods, count)
-            rows = np.empty((periods, count, 3))
-            rows[:, :, 0] = times[:-1].reshape(periods, count)
-            self._periods = list(zip(gaps, rows, strict=True))[::-1]
-        return self._periods.pop()

@@ -34,7 +34,8 @@ from bdt_msgs_py.writing import platform_position, sample_message, stamp_from_na
 from bdt_plant.compiled_period import compiled_hold_period
 from bdt_plant.lockstep import Followers
 from bdt_plant.parameters import PARAMETERS
-from bdt_plant.plant import PlantModel, PlantSimulator, hold_period
+from bdt_plant.plant import PlantModel, hold_period
+from bdt_plant.plant_simulator import PlantSimulator
 
 LONG_RUN = 10.0
 """Simulated time [s] from which loading the compiled plant takes less time than it saves."""

@@ -34,7 +34,8 @@ from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.compilation import compile_loop, source_files, source_hash
 from bdt_plant.gap_profile import GapProfile, gap_at
 from bdt_plant.motor import MotorParameters
-from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.sensor import SensorParameters
 
 REFERENCE = Reference(step_time=2.0)

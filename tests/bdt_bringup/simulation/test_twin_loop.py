@@ -11,7 +11,8 @@ from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import Reference, reference_at
 from bdt_plant.gap_profile import GapProfile
-from bdt_plant.plant import PlantModel, PlantSimulator, Sampling
+from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters
 from bdt_twin.dead_zone_width import DeadZoneSettings, tolerance_for_gap
 from bdt_twin.estimator import Estimate
