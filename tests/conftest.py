@@ -1,6 +1,7 @@
 """What tests with nodes need: a ROS domain of their own, on loopback, and nodes that end."""
 
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -19,6 +20,9 @@ _spec.loader.exec_module(_ros_domain)
 
 os.environ["ROS_DOMAIN_ID"] = str(_ros_domain.claim_domain())
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+
+# In the background of a script Ctrl-C is ignored, also in the programs that a test starts.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Time limits of hypothesis say more about a busy machine than about the code.
 settings.register_profile("project", deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 from bdt_bringup.running import strokes
-from bdt_bringup.running.strokes import QUIET, STROKE, spin_in_strokes
+from bdt_bringup.running.strokes import LONGEST, QUIET, STROKE, spin_in_strokes, take_what_waits
 
 LOOK = 1e-5
 """Time that a look takes [s]."""
@@ -76,6 +76,21 @@ def test_it_ends_soon_after_the_last_message(clock):
     node, begin = Node(), clock.now
     spin_in_strokes(Executor(node, ["signal", "message"], clock), node)
     assert QUIET <= clock.now - begin < QUIET + 2 * STROKE
+
+
+def test_what_waits_is_taken_without_a_signal_though_other_work_comes_between(clock):
+    node, begin = Node(), clock.now
+    take_what_waits(Executor(node, ["timer", "timer", "timer", "message"] * 3, clock), node)
+    assert node.messages == 3
+    assert QUIET <= clock.now - begin < QUIET + 8 * STROKE
+
+
+def test_a_stream_that_goes_on_is_left(clock):
+    """The loop that is recorded may well go on when the recorder is stopped."""
+    node, begin = Node(), clock.now
+    stream = ["nothing", "nothing", "message"] * round(2 * LONGEST / STROKE)
+    spin_in_strokes(Executor(node, ["signal", *stream], clock), node)
+    assert LONGEST <= clock.now - begin < LONGEST + 2 * STROKE
 
 
 def test_messages_are_taken_at_once_and_silence_is_waited_out(clock):

@@ -15,8 +15,9 @@ from bdt_bringup.running.configuration import BadInputError
 from bdt_bringup.running.monitor import MonitorNode
 from bdt_bringup.running.node_process import NodeProcess, stop_all
 from bdt_bringup.running.progress_display import ProgressDisplay
-from bdt_bringup.running.run_plan import MODULES, RunPlan
+from bdt_bringup.running.run_plan import MODULES, RECORDER, RunPlan
 from bdt_bringup.running.stop_signals import StopSignals
+from bdt_bringup.running.strokes import take_what_waits
 from bdt_msgs_py.exit_codes import BAD_INPUT, LoopError
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.topics import PLANT_NODE
@@ -129,21 +130,27 @@ def _run_in_this_process(
     display: ProgressDisplay,
     signals: StopSignals,
 ) -> None:
-    nodes: list[Any] = []
+    nodes: dict[str, Any] = {}
     try:
         for name in plan.nodes:
-            nodes.append(_create_node(plan, name, context))
-            executor.add_node(nodes[-1])
-        finished = nodes[-1].finished
+            nodes[name] = _create_node(plan, name, context)
+            executor.add_node(nodes[name])
+        finished = nodes[PLANT_NODE].finished
         while not finished.done():
             executor.spin_until_future_complete(finished, timeout_sec=REFRESH)
             display.show(monitor)
             signals.check()
         finished.result()
     finally:
-        for node in nodes:
+        recorder = nodes.pop(RECORDER, None)
+        for node in nodes.values():
             executor.remove_node(node)
             node.destroy_node()
+        if recorder is not None:
+            # What the others said last is still in its queues.
+            take_what_waits(executor, recorder)
+            executor.remove_node(recorder)
+            recorder.destroy_node()
 
 
 def _create_node(plan: RunPlan, name: str, context: Context) -> Node:

@@ -1,6 +1,8 @@
 """Spinning that takes messages in strokes, so that they disturb nobody as they come."""
 
+import math
 import time
+from collections.abc import Callable
 from typing import Protocol
 
 from rclpy.executors import SingleThreadedExecutor
@@ -16,6 +18,9 @@ LOOKS = 2
 
 QUIET = 0.2
 """Wall time [s] without a message after which nothing more is on its way."""
+
+LONGEST = 2.0
+"""Wall time [s] after the end for which messages are taken at most: somebody may go on sending."""
 
 
 class MessageCounter(Protocol):
@@ -39,15 +44,39 @@ def spin_in_strokes(executor: SingleThreadedExecutor, node: MessageCounter) -> N
     """
     uninstall_signal_handlers()
     with StopSignals() as signals:
-        last_message, idle_looks = time.monotonic(), 0
-        while not (signals.requested and time.monotonic() - last_message > QUIET):
-            taken = node.messages
-            executor.spin_once(timeout_sec=0.0)
-            if node.messages > taken:
-                last_message, idle_looks = time.monotonic(), 0
-                continue
-            # One look proves nothing: rclpy does not wait anew in the one that ends a wait set.
-            idle_looks += 1
-            if idle_looks == LOOKS:
-                time.sleep(STROKE)
-                idle_looks = 0
+        _spin_until_quiet(executor, node, lambda: signals.requested)
+
+
+def take_what_waits(executor: SingleThreadedExecutor, node: MessageCounter) -> None:
+    """Run callbacks until no message has come for a while.
+
+    Parameters
+    ----------
+    executor : SingleThreadedExecutor
+        Executor that has the node.
+    node : MessageCounter
+        The node.
+    """
+    _spin_until_quiet(executor, node, lambda: True)
+
+
+def _spin_until_quiet(
+    executor: SingleThreadedExecutor, node: MessageCounter, is_over: Callable[[], bool]
+) -> None:
+    idle_looks = 0
+    quiet_at = latest = math.inf
+    while (now := time.monotonic()) < min(quiet_at, latest):
+        if latest == math.inf and is_over():
+            quiet_at, latest = now + QUIET, now + LONGEST
+        taken = node.messages
+        executor.spin_once(timeout_sec=0.0)
+        if node.messages > taken:
+            idle_looks = 0
+            if latest < math.inf:
+                quiet_at = time.monotonic() + QUIET
+            continue
+        # One look proves nothing: rclpy does not wait anew in the one that ends a wait set.
+        idle_looks += 1
+        if idle_looks == LOOKS:
+            time.sleep(STROKE)
+            idle_looks = 0
