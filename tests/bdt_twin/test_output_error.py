@@ -79,6 +79,13 @@ def test_clean_telemetry_gives_the_gap_to_a_hundredth_of_a_degree(closed_loop, p
     assert np.sqrt(np.mean(errors**2)) < 0.01
 
 
+def test_the_uncertainty_of_clean_telemetry_is_as_small_as_its_errors(closed_loop):
+    rows = closed_loop(PROFILES[0], 16.0, rate=5000.0).rows
+    found = estimates_of(rows, cuts=seconds(rows, 5000.0), rate=5000.0)
+    errors, uncertainties = errors_of(found, PROFILES[0])
+    assert 0.1 < np.sqrt(np.mean((errors / uncertainties) ** 2)) < 2.0
+
+
 @pytest.mark.parametrize(("noise", "quantum", "rms"), [(1e-6, 1e-7, 0.1), (5e-6, 1e-6, 0.3)])
 def test_noise_and_a_wrong_model_cost_little_and_the_uncertainty_says_how_much(
     closed_loop, noise, quantum, rms

@@ -15,7 +15,7 @@ from bdt_twin.window_model import BEGINNING, Unknowns, WindowModel
 
 FloatArray = NDArray[np.float64]
 
-SMALLEST_NOISE = 1e-9
+SMALLEST_NOISE = 1e-11
 """Standard deviation of a block's mean below which nothing is taken for noise [m]."""
 FROM_MAD = 1.4826
 """Standard deviation of normal noise over its median absolute deviation."""

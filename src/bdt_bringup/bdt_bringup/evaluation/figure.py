@@ -59,6 +59,6 @@ def error_figure(trials: Mapping[tuple[str, str], Sequence[Trial]]) -> Figure:
         axes.set_yticks(range(len(cases)), cases)
         axes.invert_yaxis()
         axes.set_xlabel(f"size of the error of the estimated gap [deg], {LARGEST:g} for more")
-        axes.legend(loc="lower right")
+        axes.legend(loc="upper right")
         style.fix_layout(figure)
     return figure
