@@ -1,12 +1,11 @@
 """A ROS domain for each test process, so that two at the same time do not meet."""
 
+import atexit
 import os
 import socket
 
 DOMAINS = 100
 """Ports of domains above 101 meet those that Linux gives out."""
-
-_claims: list[socket.socket] = []
 
 
 def claim_domain() -> int:
@@ -23,6 +22,7 @@ def claim_domain() -> int:
         except OSError:
             claim.close()
             continue
-        _claims.append(claim)
+        # What is to be done at the end also keeps the claim until then.
+        atexit.register(claim.close)
         return domain
     raise RuntimeError(f"test processes have claimed all {DOMAINS} ROS domains")
