@@ -6,16 +6,22 @@ PYTHON ?= $(shell for p in python3.12 python3.11 python3; do \
 	&& echo $$p && break; done)
 VENV := .venv
 BIN := $(VENV)/bin
-PACKAGES := src/bdt_msgs_py src/bdt_plant src/bdt_controller src/bdt_twin src/bdt_bringup
-SOURCES := src tests embedded_ros
+PACKAGES := $(addprefix src/,bdt_msgs_py bdt_plant bdt_controller bdt_twin bdt_bags bdt_analysis bdt_study bdt_bringup)
+SOURCES := src tests embedded_ros checks docs/make_figures.py docs/source/conf.py docs/source/extensions
 
-.PHONY: run test conformance setup check tables lock
+.PHONY: run test test-noble conformance stray-messages setup check docs figures dist dist-test version lock
 
+# DURATION=40 runs 40 s of the scenario's 120.
 run: setup
-	$(BIN)/bdt run --config config/paper.yaml
+	$(BIN)/bdt run --config config/paper.yaml $(if $(DURATION),--duration $(DURATION))
 
-test: check
+test: check $(VENV)/.docs-ready
 	$(BIN)/python -m pytest
+
+# The tests with the versions that Ubuntu 24.04 ships, in an environment of its own.
+test-noble:
+	$(MAKE) --no-print-directory setup VENV=.venv-noble PYTHON=python3.11 VERSIONS=requirements-noble.txt
+	.venv-noble/bin/python -m pytest
 
 # The documented behavior of rclpy: that of a ROS 2 that is sourced, else that of embedded_ros.
 conformance:
@@ -23,17 +29,25 @@ conformance:
 	else $(MAKE) --no-print-directory setup && python=$(BIN)/python; fi && \
 	PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 $$python -m pytest --confcutdir=tests/conformance tests/conformance
 
+# What each node does about messages that do not belong, as a page of the documentation.
+stray-messages: setup
+	WRITE_STRAY_MESSAGES=1 $(BIN)/python -m pytest tests/test_stray_messages.py
+
 check: setup
 	$(BIN)/ruff check $(SOURCES)
 	$(BIN)/ruff format --check $(SOURCES)
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo --no-cache
+	$(BIN)/python -m checks.check_dependencies
+	$(BIN)/python -m checks.package_versions
 
 setup: $(VENV)/.ready
 
-$(VENV)/.ready: requirements.lock $(wildcard src/*/setup.py) embedded_ros/pyproject.toml
+$(VENV)/.ready: requirements.lock $(VERSIONS) $(wildcard src/*/setup.py src/*/package.xml) embedded_ros/pyproject.toml
 	@test -n "$(PYTHON)" || { echo "error: Python 3.11 or 3.12 is needed (PYTHON=/path/to/python)"; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(if $(VERSIONS),$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r $(VERSIONS))
 	@# A sourced ROS 2 brings its own rclpy; embedded_ros is for machines that have none.
 	$(BIN)/python -c 'import rclpy' 2>/dev/null || $(BIN)/python -m pip install --quiet \
 		--disable-pip-version-check --use-pep517 --no-deps --no-build-isolation -e embedded_ros
@@ -41,15 +55,44 @@ $(VENV)/.ready: requirements.lock $(wildcard src/*/setup.py) embedded_ros/pyproj
 		--no-build-isolation $(addprefix -e ,$(PACKAGES))
 	touch $@
 
-# Prints the tables of topics and parameters in README.md.
-tables: setup
-	@$(BIN)/python -m bdt_bringup.running.interface_tables
+# The documentation in docs/build/html; a warning is an error, and nothing is loaded from a network.
+docs: $(VENV)/.docs-ready
+	$(BIN)/python -m sphinx --quiet --jobs 2 --fail-on-warning --keep-going \
+		--builder html docs/source docs/build/html
+	@echo "documentation: docs/build/html/index.html"
 
-# Resolves requirements.in anew; the lock file holds hashes and names no index.
+# What only the documentation needs is no part of `make setup`: it is a fifth of the wait for a first run.
+$(VENV)/.docs-ready: $(VENV)/.ready requirements-docs.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-docs.lock
+	touch $@
+
+# Draws the pictures of README and documentation anew, all but those of other people's programs.
+figures: setup
+	$(BIN)/python docs/make_figures.py
+
+# A wheel for each package, one for embedded_ros and one that depends on all packages. What an earlier
+# build left would get into them: setuptools packs the whole of its build folder.
+dist: setup
+	rm -rf dist $(addsuffix /build,. $(PACKAGES) embedded_ros)
+	umask 022 && SOURCE_DATE_EPOCH=$$(git log -1 --format=%ct 2>/dev/null || echo 1700000000) \
+		$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --use-pep517 --no-deps --no-index \
+		--no-build-isolation --wheel-dir dist $(addprefix ./,$(PACKAGES)) ./embedded_ros .
+	rm -rf $(addsuffix /build,. $(PACKAGES) embedded_ros) *.egg-info
+
+# The wheels in an empty environment outside the repository.
+dist-test: dist
+	checks/run_from_wheels.sh
+
+# Writes the version of all packages: make version VERSION=0.2.0
+version:
+	$(BIN)/python -m checks.package_versions $(VERSION)
+
+# Resolves requirements.in anew, and requirements-docs.in beside it; locks hold hashes and name no index.
 lock:
 	$(PYTHON) -m venv $(VENV)-lock
 	$(VENV)-lock/bin/python -m pip install --quiet pip-tools
-	$(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --allow-unsafe --strip-extras \
-		--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links \
-		--output-file requirements.lock requirements.in
+	for set in requirements requirements-docs; do \
+		$(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --allow-unsafe --strip-extras \
+			--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links \
+			--output-file $$set.lock $$set.in || exit 1; done
 	rm -r $(VENV)-lock

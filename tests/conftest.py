@@ -24,6 +24,9 @@ os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 # In the background of a script Ctrl-C is ignored, also in the programs that a test starts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
+# Bags and messages of loops, for the tests of several packages.
+pytest_plugins = ["recorded_loops"]
+
 # Time limits of hypothesis say more about a busy machine than about the code.
 settings.register_profile("project", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("project")
@@ -110,6 +113,22 @@ def count_calls() -> Callable[[Callable[[], Any]], int]:
 def claim_domain() -> Callable[[], int]:
     """Return a function that claims another ROS domain, for processes that must meet no others."""
     return _ros_domain.claim_domain
+
+
+@pytest.fixture(scope="module")
+def ros_loops() -> Iterator[Callable[[], RosLoop]]:
+    """Return a function that gives nodes in process, each time after the end of the last ones."""
+    loops: list[RosLoop] = []
+
+    def create() -> RosLoop:
+        for loop in loops:
+            loop.close()
+        loops[:] = [RosLoop()]
+        return loops[0]
+
+    yield create
+    for loop in loops:
+        loop.close()
 
 
 @pytest.fixture

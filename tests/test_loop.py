@@ -8,7 +8,7 @@ from std_msgs.msg import Float64MultiArray
 from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.controller_node import ControllerNode
 from bdt_controller.pid import PidGains
-from bdt_controller.reference import Reference, reference_at
+from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import read_samples
 from bdt_msgs_py.topics import TELEMETRY, TELEMETRY_COLUMNS
@@ -16,7 +16,7 @@ from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_node import PlantNode
 from bdt_plant.plant_simulator import PlantSimulator
-from bdt_twin.dead_zone_width import tolerance_for_gap
+from bdt_twin.dead_zone_tolerance import tolerance_for_gap
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.twin_node import TwinNode
 
@@ -30,7 +30,7 @@ def offline_loop():
     """Return telemetry of the loop made of the cores alone, the link included."""
     plant = PlantSimulator(PlantModel(), GapProfile(growth_time=GROWTH_TIME), Sampling())
     controller = DeadZoneController(PidGains(), ControllerSettings())
-    reference = Reference(step_time=STEP_TIME)
+    reference = ReferenceProfile(step_time=STEP_TIME)
     estimator = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
     pitch = PlantModel().lead_screw.pitch
     rows, on_the_way = [], []

@@ -4,11 +4,10 @@ from dataclasses import fields
 
 import pytest
 
-from bdt_bringup.running.configuration import NODES
-from bdt_bringup.running.recorder_settings import PARAMETERS as RECORDER_PARAMETERS
+from bdt_bringup.installed import PACKAGE_OF_NODE, parameter_table
 from bdt_msgs_py.quantities import quantities_of
 
-TABLES = {**NODES, "recorder": RECORDER_PARAMETERS}
+TABLES = {node: parameter_table(node) for node in PACKAGE_OF_NODE}
 
 with_each_dataclass = pytest.mark.parametrize(
     "declared",
@@ -52,7 +51,7 @@ def test_every_number_has_both_bounds(declared):
 def test_what_tunes_the_running_loop_can_be_reconfigured():
     reconfigurable = {
         name
-        for _, kind in NODES["controller"]
+        for _, kind in TABLES["controller"]
         for name, _, quantity in quantities_of(kind)
         if quantity.reconfigurable
     }

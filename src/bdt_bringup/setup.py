@@ -1,28 +1,43 @@
-"""Build file of bdt_bringup, for colcon and for pip."""
+"""Build file of bdt_bringup, for colcon and for pip; what package.xml says is not said again."""
+
+from pathlib import Path
+from xml.etree import ElementTree as ET
 
 from setuptools import find_packages, setup
 
-package_name = "bdt_bringup"
+package = ET.parse(Path(__file__).with_name("package.xml"))
+name = package.findtext("name")
+maintainer = package.find("maintainer")
+# In the share folder, too, where users of ROS look: data_files wants paths from this folder on.
+configurations = sorted(map(str, Path(name, "config").glob("*.yaml")))
 
 setup(
-    name=package_name,
-    version="0.1.0",
+    name=name,
+    version=package.findtext("version"),
+    description=package.findtext("description"),
+    license=package.findtext("license"),
+    maintainer=maintainer.text,
+    maintainer_email=maintainer.get("email"),
+    python_requires=">=3.11",
     packages=find_packages(),
-    package_data={package_name: ["py.typed", "pages/*.html", "pages/*.js"]},
+    package_data={name: ["py.typed", "config/*.yaml"]},
     data_files=[
-        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
-        (f"share/{package_name}", ["package.xml"]),
+        ("share/ament_index/resource_index/packages", [f"resource/{name}"]),
+        (f"share/{name}", ["package.xml"]),
+        (f"share/{name}/config", configurations),
     ],
-    install_requires=["setuptools"],
+    install_requires=[
+        "bdt_msgs_py",
+        "pyyaml>=6",
+    ],
     zip_safe=False,
-    maintainer="Backlash Digital Twin developers",
-    maintainer_email="maintainers@backlash-digital-twin.invalid",
-    description="Command bdt: runs the loop, records it and analyses the bag",
-    license="Apache-2.0",
     entry_points={
         "console_scripts": [
             "bdt = bdt_bringup.cli:main",
-            "recorder_node = bdt_bringup.running.recorder_node:main",
+        ],
+        "bdt.command": [
+            "config = bdt_bringup.commands.config:COMMAND",
+            "run = bdt_bringup.commands.run:COMMAND",
         ],
     },
 )

@@ -1,27 +1,43 @@
-"""Build file of bdt_plant, for colcon and for pip."""
+"""Build file of bdt_plant, for colcon and for pip; what package.xml says is not said again."""
+
+from pathlib import Path
+from xml.etree import ElementTree as ET
 
 from setuptools import find_packages, setup
 
-package_name = "bdt_plant"
+package = ET.parse(Path(__file__).with_name("package.xml"))
+name = package.findtext("name")
+maintainer = package.find("maintainer")
 
 setup(
-    name=package_name,
-    version="0.1.0",
+    name=name,
+    version=package.findtext("version"),
+    description=package.findtext("description"),
+    license=package.findtext("license"),
+    maintainer=maintainer.text,
+    maintainer_email=maintainer.get("email"),
+    python_requires=">=3.11",
     packages=find_packages(),
-    package_data={package_name: ["py.typed"]},
+    package_data={name: ["py.typed"]},
     data_files=[
-        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
-        (f"share/{package_name}", ["package.xml"]),
+        ("share/ament_index/resource_index/packages", [f"resource/{name}"]),
+        (f"share/{name}", ["package.xml"]),
     ],
-    install_requires=["setuptools"],
+    install_requires=[
+        "bdt_msgs_py",
+        "numba>=0.58",
+        "numpy>=1.26",
+    ],
     zip_safe=False,
-    maintainer="Backlash Digital Twin developers",
-    maintainer_email="maintainers@backlash-digital-twin.invalid",
-    description="Plant simulator: DC motor, lead screw with growing backlash, flexible structure",
-    license="Apache-2.0",
     entry_points={
         "console_scripts": [
             "plant_node = bdt_plant.plant_node:main",
+        ],
+        "bdt.node": [
+            "plant = bdt_plant.plant_node:PlantNode",
+        ],
+        "bdt.parameters": [
+            "plant = bdt_plant.parameters:PARAMETERS",
         ],
     },
 )

@@ -1,5 +1,7 @@
-"""The command ``bdt``: what needs no ROS works where there is none."""
+"""The command ``bdt``: its help is light, and what needs no ROS works where there is none."""
 
+import os
+import signal
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -7,7 +9,7 @@ from importlib.util import find_spec
 import pytest
 
 from bdt_bringup.cli import run_command
-from bdt_msgs_py.exit_codes import BAD_INPUT
+from bdt_msgs_py.command_errors import BAD_INPUT
 from bdt_msgs_py.topics import REFERENCE
 
 needs_control = pytest.mark.skipif(find_spec("control") is None, reason="needs python-control")
@@ -24,6 +26,32 @@ sys.meta_path.insert(0, Nowhere())
 from bdt_bringup.cli import run_command
 sys.exit(run_command(sys.argv[1:]))
 """
+
+
+HEAVY = {"numpy", "scipy", "numba", "matplotlib", "rclpy", "rosbags", "yaml", "rich", "control"}
+
+IMPORTS_OF_HELP = """
+import sys
+from bdt_bringup.cli import run_command
+try:
+    run_command(sys.argv[1:])
+finally:
+    print("imported:", *{name.partition(".")[0] for name in sys.modules}, file=sys.stderr)
+"""
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["record", "--help"]])
+def test_help_imports_nothing_that_computes_or_talks(arguments):
+    done = subprocess.run(
+        [sys.executable, "-c", IMPORTS_OF_HELP, *arguments],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    assert "usage: bdt" in done.stdout
+    imported = done.stderr.split()
+    assert "bdt_bringup" in imported
+    assert HEAVY.isdisjoint(imported)
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +136,67 @@ def test_the_cores_are_measured(without_ros):
 @needs_control
 def test_the_paper_can_be_redone():
     program = WITHOUT_ROS.replace(
-        "sys.exit(run_command(sys.argv[1:]))", "import bdt_bringup.reproduction.command"
+        "sys.exit(run_command(sys.argv[1:]))", "import bdt_study.reproduction.reproduce"
     )
     done = subprocess.run([sys.executable, "-c", program], check=False, capture_output=True)
     assert done.returncode == 0, done.stderr
+
+
+def with_closed_pipe(*arguments, buffered=True, error_output=subprocess.PIPE):
+    """Run a command that writes into a pipe of which nobody reads; return it when it has ended."""
+    read, write = os.pipe()
+    os.close(read)
+    try:
+        command = [sys.executable, "-m", "bdt_bringup.cli", *map(str, arguments)]
+        outputs = {"stdout": write, "stderr": write if error_output is None else error_output}
+        # Without a buffer every print meets the pipe, with one only the flush at the end.
+        unbuffered = {"PYTHONUNBUFFERED": "" if buffered else "1"}
+        return subprocess.run(
+            command, check=False, timeout=120, text=True, env=os.environ | unbuffered, **outputs
+        )
+    finally:
+        os.close(write)
+
+
+QUIET = 128 + signal.SIGPIPE
+
+
+@pytest.mark.parametrize("buffered", [True, False])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["bench", "control_step"],
+        ["analyze", "BAG", "--output", "OUTPUT"],
+        ["analyze", "BAG", "--output", "OUTPUT", "--json"],
+        ["compare", "BAG", "BAG", "--output", "OUTPUT"],
+        ["recover", "BAG", "--output", "OUTPUT"],
+    ],
+)
+def test_a_command_whose_reader_is_gone_ends_quietly_as_any_other_tool(
+    small_loop, tmp_path, arguments, buffered
+):
+    """``bdt ... | head``."""
+    if "bench" in arguments and find_spec("control") is None:
+        pytest.skip("needs python-control")
+    bag = small_loop.write(tmp_path / "bag") if "BAG" in arguments else None
+    places = {"BAG": bag, "OUTPUT": tmp_path / "output"}
+    words = [places.get(word, word) for word in arguments]
+    done = with_closed_pipe(*words, buffered=buffered)
+    assert (done.stderr, done.returncode) == ("", QUIET)
+
+
+@pytest.mark.parametrize("buffered", [True, False])
+def test_help_and_errors_that_nobody_reads_end_quietly(buffered):
+    """The parser of the command line leaves errors of printing aside, and ends as it would."""
+    done = with_closed_pipe("bench", "--help", buffered=buffered)
+    assert (done.stderr, done.returncode) in [("", QUIET), ("", 0)]
+    done = with_closed_pipe("analyze", "no_such_bag", buffered=buffered, error_output=None)
+    assert done.returncode in (BAD_INPUT, QUIET)
+
+
+def test_a_pipe_that_is_read_to_its_end_changes_nothing():
+    done = subprocess.run(
+        [sys.executable, "-m", "bdt_bringup.cli", "--help"], check=False, capture_output=True
+    )
+    assert done.returncode == 0
+    assert done.stdout

@@ -1,11 +1,13 @@
 """The controller node answers measurements and can be reconfigured while it runs."""
 
+import itertools
 import math
 
 import pytest
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 from bdt_controller.controller import ControllerSettings, DeadZoneController
@@ -14,8 +16,9 @@ from bdt_controller.pid import PidGains
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import read_position, read_voltage
-from bdt_msgs_py.topics import COMMAND, MEASUREMENT, PLATFORM_JOINT, REFERENCE
-from bdt_msgs_py.writing import motor_voltage, platform_position
+from bdt_msgs_py.time_sequence import SILENCE
+from bdt_msgs_py.topics import CLOCK, COMMAND, MEASUREMENT, PLATFORM_JOINT, REFERENCE
+from bdt_msgs_py.writing import motor_voltage, platform_position, stamp_from_nanoseconds
 
 PERIOD = 2_000_000
 
@@ -55,6 +58,10 @@ class Bench:
         self.measurement.publish(platform_position(stamp, position))
         self.ros.spin_until(lambda: len(self.commands) > before)
         return self.commands[-1]
+
+    @property
+    def health(self):
+        return self.controller._health().values
 
     def set(self, name, value):
         (result,) = self.ros.result(
@@ -96,12 +103,138 @@ def test_a_repeated_measurement_gets_the_same_answer_and_moves_nothing(ros):
     assert bench.measure(2 * PERIOD, 2e-3)[1] == fresh.step(5e-3, 2e-3)
 
 
-def test_time_that_goes_back_starts_a_new_run(ros):
+def test_time_that_goes_back_for_good_starts_a_new_run(ros):
+    bench = Bench(ros)
+    _, first = bench.measure(0, 0.0)
+    for step in range(1, 100):
+        bench.measure(step * PERIOD, 1e-5 * step)
+    for step in itertools.count():
+        bench.measurement.publish(platform_position(step * PERIOD, 0.0))
+        ros.spin_for(SILENCE / 4)
+        if len(bench.commands) > 100:
+            break
+    assert bench.commands[100][1] == first
+    assert bench.health["restarts"] == 1
+
+
+def test_a_plant_that_sends_its_first_measurement_again_and_again_starts_a_new_run(ros):
+    """As a plant in lockstep does that was started anew."""
     bench = Bench(ros)
     first = bench.measure(0, 0.0)
-    for step in range(1, 5):
-        bench.measure(step * PERIOD, 1e-3)
-    assert bench.measure(0, 0.0) == first
+    for step in range(1, 100):
+        bench.measure(step * PERIOD, 1e-5 * step)
+
+    def answered():
+        bench.measurement.publish(platform_position(0, 0.0))
+        return len(bench.commands) > 100
+
+    ros.spin_until(answered)
+    assert bench.commands[100] == first
+
+
+def test_with_a_clock_that_went_back_the_first_measurement_starts_a_new_run(ros):
+    bench = Bench(ros, use_sim_time=True)
+    clock = bench.node.create_publisher(Clock, CLOCK.name, qos_profile(CLOCK))
+    ros.spin_until(lambda: clock.get_subscription_count() == 1)
+
+    def tick(nanoseconds):
+        def shown():
+            clock.publish(Clock(clock=stamp_from_nanoseconds(nanoseconds)))
+            return bench.controller.get_clock().now().nanoseconds == nanoseconds
+
+        ros.spin_until(shown)
+
+    tick(10**9)
+    first = bench.measure(10**9, 0.0)
+    bench.measure(10**9 + PERIOD, 1e-3)
+    ros.spin_for(2 * SILENCE)
+    tick(0)
+    assert bench.measure(0, 0.0) == (0, first[1])
+    assert bench.health["restarts"] == 1
+
+
+@pytest.mark.parametrize("stamp", [10**9, (2**31 - 1) * 10**9])
+def test_one_measurement_from_another_time_gets_no_answer_and_changes_nothing(ros, stamp):
+    bench = Bench(ros)
+    core = DeadZoneController(PidGains(), ControllerSettings())
+    for step in range(20):
+        position = 1e-4 * step
+        if step in {7, 13}:
+            bench.measurement.publish(platform_position(stamp, position))
+        assert bench.measure(step * PERIOD, position) == (step * PERIOD, core.step(5e-3, position))
+    assert len(bench.commands) == 20
+    assert bench.health["rejected_messages_by_reason"] == "measurement time: 2"
+    assert bench.health["restarts"] == 0
+
+
+@pytest.mark.parametrize("position", [0.1, -5.0, 999.0])
+def test_a_reading_that_the_platform_cannot_have_reached_is_answered_with_the_last_voltage(
+    ros, position
+):
+    bench = Bench(ros)
+    core = DeadZoneController(PidGains(), ControllerSettings())
+    for step in range(10):
+        assert bench.measure(step * PERIOD, 1e-4 * step)[1] == core.step(5e-3, 1e-4 * step)
+    held = bench.commands[-1][1]
+    assert bench.measure(10 * PERIOD, position) == (10 * PERIOD, held)
+    assert bench.measure(11 * PERIOD, 1e-3)[1] == core.step(5e-3, 1e-3)
+    assert bench.health["rejected_messages_by_reason"] == "measurement change: 1"
+
+
+def test_a_reading_that_stays_is_believed_after_a_while(ros):
+    bench = Bench(ros, plausibility__confirmations=3)
+    bench.measure(0, 0.0)
+    core = DeadZoneController(PidGains(), ControllerSettings())
+    held = core.step(5e-3, 0.0)
+    assert bench.measure(PERIOD, 0.1)[1] == held
+    assert bench.measure(2 * PERIOD, 0.1)[1] == held
+    assert bench.measure(3 * PERIOD, 0.1)[1] == core.step(5e-3, 0.1)
+
+
+def test_another_reading_of_the_same_time_is_answered_as_the_first_one_was(ros):
+    bench = Bench(ros)
+    bench.measure(0, 0.0)
+    first = bench.measure(PERIOD, 1e-3)
+    assert bench.measure(PERIOD, 1.1e-3) == first
+    assert bench.health["rejected_messages_by_reason"] == "measurement repeated: 1"
+
+
+@pytest.mark.parametrize(
+    ("stamp", "position", "reason"),
+    [(0, 5.0, "range"), (0, math.nan, "not_finite"), (10**10, 1e-3, "time"), (-1, 1e-3, "stamp")],
+)
+def test_a_reference_that_cannot_be_meant_is_rejected(ros, stamp, position, reason):
+    bench = Bench(ros, reference__kind="topic")
+    bench.measure(0, 0.0)
+    publisher = bench.node.create_publisher(JointState, REFERENCE.name, qos_profile(REFERENCE))
+    publisher.publish(platform_position(stamp, position))
+    ros.spin_until(lambda: bench.health["rejected_messages"] == 1)
+    assert bench.health["rejected_messages_by_reason"] == f"reference {reason}: 1"
+    assert bench.measure(PERIOD, 0.0)[1] == 0.0
+
+
+@pytest.mark.parametrize("stamp", [-1, -(10**9), -(2**31) * 10**9])
+def test_a_clock_before_zero_does_not_end_the_controller(ros, stamp):
+    bench = Bench(ros, use_sim_time=True)
+    clock = bench.node.create_publisher(Clock, CLOCK.name, qos_profile(CLOCK))
+    ros.spin_until(lambda: clock.get_subscription_count() == 1)
+    clock.publish(Clock(clock=stamp_from_nanoseconds(stamp)))
+    ros.spin_until(lambda: bench.health["rejected_messages_by_reason"] == "clock stamp: 1")
+
+
+def test_two_controllers_are_noticed_and_named_once(ros):
+    bench = Bench(ros)
+    assert bench.health["topics_with_several_publishers"] == ""
+    ros.create(ControllerNode)
+    ros.spin_until(
+        lambda: (
+            bench.health["topics_with_several_publishers"]
+            == "command: /controller, /controller; reference: /controller, /controller"
+        )
+    )
+    health = bench.controller._health()
+    assert not health.ok
+    assert health.summary == "more than one publisher of command, reference"
 
 
 def test_the_reference_is_published_when_it_changes_and_kept_for_late_listeners(ros):

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bdt_controller.reference import Reference, reference_at
+from bdt_controller.reference import ReferenceProfile, reference_at
 
 FIRST, SECOND = 5e-3, -1e-3
 
@@ -13,7 +13,7 @@ step_times = st.sampled_from([0.1, 0.3, 0.7, 1.1, 1 / 3, 2.0, 10.0])
 
 
 def square(step_time):
-    return Reference(kind="square", first=FIRST, second=SECOND, step_time=step_time)
+    return ReferenceProfile(kind="square", first=FIRST, second=SECOND, step_time=step_time)
 
 
 def level(step):
@@ -46,13 +46,13 @@ def test_times_that_were_added_up_see_the_same_steps():
 
 
 def test_the_default_is_the_square_wave_of_the_scenario():
-    seen = [reference_at(Reference(), time) for time in (0.0, 9.99, 10.0, 19.99, 20.0)]
+    seen = [reference_at(ReferenceProfile(), time) for time in (0.0, 9.99, 10.0, 19.99, 20.0)]
     assert seen == [5e-3, 5e-3, 0.0, 0.0, 5e-3]
 
 
 def table(*rows):
     times, positions = zip(*rows, strict=True)
-    return Reference(kind="table", table_times=times, table_positions=positions)
+    return ReferenceProfile(kind="table", table_times=times, table_positions=positions)
 
 
 @given(st.integers(1, 1000))
@@ -72,8 +72,8 @@ def test_before_the_first_step_of_the_table_the_reference_is_zero():
 
 
 def test_a_reference_from_a_topic_has_no_value_of_its_own():
-    with pytest.raises(ValueError, match=r"Reference\.kind = 'topic'"):
-        reference_at(Reference(kind="topic"), 0.0)
+    with pytest.raises(ValueError, match=r"ReferenceProfile\.kind = 'topic'"):
+        reference_at(ReferenceProfile(kind="topic"), 0.0)
 
 
 @pytest.mark.parametrize(
@@ -94,5 +94,5 @@ def test_a_reference_from_a_topic_has_no_value_of_its_own():
     ],
 )
 def test_a_fault_is_named_with_its_value_and_what_is_allowed(fault, text):
-    with pytest.raises(ValueError, match=r"^Reference\." + text):
-        Reference(**fault)
+    with pytest.raises(ValueError, match=r"^ReferenceProfile\." + text):
+        ReferenceProfile(**fault)

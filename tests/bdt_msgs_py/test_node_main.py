@@ -6,12 +6,13 @@ import subprocess
 import sys
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_stamp
-from bdt_msgs_py.topics import COMMAND
+from bdt_msgs_py.topics import COMMAND, DIAGNOSTICS
 
 DEADLINE = 30.0
 MODULES = {
@@ -19,14 +20,23 @@ MODULES = {
     "controller": "bdt_controller.controller_node",
     "twin": "bdt_twin.twin_node",
 }
+RECORDER = {"recorder": "bdt_bags.recorder.recorder_node"}
 
 
-def node(name, *arguments):
+def node(name, *arguments, safe=False, cwd=None):
     return subprocess.Popen(
-        [sys.executable, "-m", MODULES[name], "--ros-args", *arguments],
+        [
+            sys.executable,
+            *(["-P"] if safe else []),
+            "-m",
+            (MODULES | RECORDER)[name],
+            "--ros-args",
+            *arguments,
+        ],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        cwd=cwd,
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
     )
 
@@ -61,6 +71,58 @@ def test_a_parameter_file_that_is_missing_is_named(tmp_path):
     assert process.returncode == 2
     assert "none.yaml" in err
     assert "Traceback" not in err
+
+
+def test_a_parameter_file_that_holds_nothing_for_the_node_is_refused(tmp_path):
+    path = tmp_path / "file.yaml"
+    path.write_text("plant: {ros__parameters: {duration: 0.1}}\n")
+    words = ("-r", "__ns:=/left", "--params-file", str(path))
+    for name, end in zip(MODULES, ends([node(name, *words) for name in MODULES]), strict=True):
+        text = (
+            f"error: parameter file {path}: holds nothing for /left/{name}, its sections are "
+            f"plant; a section /**/{name} is for this node in any namespace\n"
+        )
+        assert end == (2, "", text)
+
+
+def test_the_recorder_that_shares_the_file_of_the_loop_says_so_and_records(ros, tmp_path):
+    said = []
+    listener = ros.create(Node, "listener")
+    listener.create_subscription(
+        DiagnosticArray, DIAGNOSTICS.name, said.append, qos_profile(DIAGNOSTICS)
+    )
+    path = tmp_path / "file.yaml"
+    path.write_text("plant: {ros__parameters: {duration: 0.1}}\n")
+    bag = tmp_path / "bag"
+    process = node("recorder", "--params-file", str(path), "-p", f"bag:={bag}")
+    assert f"parameter file {path}: holds nothing for /recorder" in process.stderr.readline()
+    ros.spin_until(lambda: said, DEADLINE)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=DEADLINE)
+    assert process.returncode == 0, err
+    assert (bag / "metadata.yaml").exists()
+
+
+BROKEN = """
+class MyEstimator:
+    def restart(self):
+        self.rows = none
+
+    def update(self, batch):
+        pass
+"""
+
+
+def test_an_estimator_that_cannot_be_made_is_one_line_with_its_place_and_exit_code_two(tmp_path):
+    (tmp_path / "my_file.py").write_text(BROKEN)
+    # As `ros2 run` starts it: the current folder is none that Python looks into.
+    process = node("twin", "-p", "estimator.kind:=my_file:MyEstimator", safe=True, cwd=tmp_path)
+    _, err = process.communicate(timeout=DEADLINE)
+    assert err == (
+        "error: parameter estimator.kind = 'my_file:MyEstimator': my_file.py:4: NameError: "
+        "name 'none' is not defined\n"
+    )
+    assert process.returncode == 2
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

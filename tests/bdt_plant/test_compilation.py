@@ -1,6 +1,9 @@
 """Loops compile at once, also where no cache can be written; without numba they just run."""
 
 import hashlib
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -88,3 +91,60 @@ def test_without_numba_a_loop_with_steps_runs_as_it_is(monkeypatch):
     written = np.empty(1)
     compilation.compile_with_steps(build, [plus_one], signature)(np.ones(1), written)
     assert written.tolist() == [2.0]
+
+
+MODEL = """
+import sys
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from bdt_plant.compilation import GIVEN, WRITTEN, compile_with_steps
+
+
+class NAME(NamedTuple):
+    factor: float
+
+
+def scaled(value, step):
+    return step.factor * value
+
+
+def build(sources):
+    def loop(step, given, written):
+        _ = sources
+        for n in range(given.size):
+            written[n] = scaled(given[n], step)
+
+    return loop
+
+
+def signature():
+    types = numba.types
+    array = types.Array(types.float64, 1, "C")
+    return numba.typeof(NAME(1.0)), array, array
+
+
+written = np.empty(2)
+compile_with_steps(build, [scaled], signature)(NAME(3.0), np.array([1.0, 2.0]), written)
+print(written.tolist())
+"""
+
+
+def test_a_cache_that_names_a_class_of_an_earlier_version_is_not_opened(tmp_path):
+    """Numba unpickles the index of its cache, classes and all, before it looks at its age."""
+    program = tmp_path / "model.py"
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    for name in ("FirstName", "SecondName"):
+        program.write_text(MODEL.replace("NAME", name))
+        done = subprocess.run(
+            [sys.executable, "-c", "import model"],
+            cwd=tmp_path,
+            env=environment,
+            check=False,
+            capture_output=True,
+            text=True,
+        )
+        assert done.stdout == "[3.0, 6.0]\n", done.stderr
+    assert len(list((tmp_path / "cache").rglob("*.nbi"))) == 2

@@ -2,6 +2,7 @@
 
 import pytest
 
+from bdt_msgs_py.rejection import MessageRejectedError, Reason
 from bdt_plant.lockstep import Followers
 
 SECOND = 1_000_000_000
@@ -10,7 +11,7 @@ SECOND = 1_000_000_000
 def test_without_followers_nothing_holds_the_plant():
     followers = Followers([])
     followers.telemetry_published(SECOND)
-    assert followers.holding(SECOND) == []
+    assert followers.blocking(SECOND) == []
 
 
 def test_empty_names_are_nobody():
@@ -24,14 +25,14 @@ def test_a_name_given_twice_is_one_follower():
 
 
 def test_a_follower_that_has_not_spoken_holds_the_plant_at_the_start():
-    assert Followers(["twin"]).holding(0) == ["twin"]
+    assert Followers(["twin"]).blocking(0) == ["twin"]
 
 
 def test_a_follower_that_took_the_newest_telemetry_lets_the_plant_go():
     followers = Followers(["twin"])
     followers.telemetry_published(SECOND)
     assert followers.progress("twin", SECOND, 100 * SECOND)
-    assert followers.holding(2 * SECOND) == []
+    assert followers.blocking(2 * SECOND) == []
 
 
 def test_the_first_telemetry_is_awaited():
@@ -39,7 +40,7 @@ def test_the_first_telemetry_is_awaited():
     followers = Followers(["twin"])
     followers.progress("twin", 0, 100 * SECOND)
     followers.telemetry_published(SECOND)
-    assert followers.holding(SECOND) == ["twin"]
+    assert followers.blocking(SECOND) == ["twin"]
 
 
 @pytest.mark.parametrize(
@@ -51,32 +52,32 @@ def test_the_plant_runs_ahead_of_a_follower_by_20_batches_or_one_second(batch, b
     followers.progress("twin", batch, 100 * SECOND)
     for ahead in range(1, batches + 1):
         followers.telemetry_published(batch + ahead * batch)
-        assert followers.holding(SECOND) == []
-        assert followers.behind() == ["twin"]
+        assert followers.blocking(SECOND) == []
+        assert followers.lagging() == ["twin"]
     followers.telemetry_published((batches + 2) * batch)
-    assert followers.holding(SECOND) == ["twin"]
+    assert followers.blocking(SECOND) == ["twin"]
 
 
 def test_nobody_is_behind_who_has_the_newest_telemetry():
     followers = Followers(["twin", "recorder"])
     followers.telemetry_published(SECOND)
     followers.progress("twin", SECOND, SECOND)
-    assert followers.behind() == ["recorder"]
+    assert followers.lagging() == ["recorder"]
 
 
 def test_a_follower_holds_the_plant_from_the_time_at_which_it_acts():
     followers = Followers(["twin"])
     followers.progress("twin", 0, 5 * SECOND)
-    assert followers.holding(5 * SECOND - 1) == []
-    assert followers.holding(5 * SECOND) == ["twin"]
-    assert followers.holding(6 * SECOND) == ["twin"]
+    assert followers.blocking(5 * SECOND - 1) == []
+    assert followers.blocking(5 * SECOND) == ["twin"]
+    assert followers.blocking(6 * SECOND) == ["twin"]
 
 
 def test_a_follower_that_has_acted_lets_the_plant_go_on():
     followers = Followers(["twin"])
     followers.progress("twin", 0, 5 * SECOND)
     followers.progress("twin", 0, 9 * SECOND)
-    assert followers.holding(5 * SECOND) == []
+    assert followers.blocking(5 * SECOND) == []
 
 
 def test_everybody_who_holds_is_named_and_nobody_else():
@@ -85,12 +86,48 @@ def test_everybody_who_holds_is_named_and_nobody_else():
     followers.progress("twin", SECOND, 3 * SECOND)
     followers.progress("recorder", SECOND, 100 * SECOND)
     followers.progress("viewer", SECOND - 1, 100 * SECOND)
-    assert followers.holding(2 * SECOND) == ["viewer"]
-    assert followers.holding(3 * SECOND) == ["twin", "viewer"]
+    assert followers.blocking(2 * SECOND) == ["viewer"]
+    assert followers.blocking(3 * SECOND) == ["twin", "viewer"]
 
 
 def test_the_word_of_a_stranger_changes_nothing():
     followers = Followers(["twin"])
     assert not followers.progress("stranger", SECOND, SECOND)
     assert len(followers) == 1
-    assert followers.holding(0) == ["twin"]
+    assert followers.blocking(0) == ["twin"]
+
+
+def test_progress_from_the_past_changes_nothing():
+    followers = Followers(["twin"])
+    followers.telemetry_published(SECOND)
+    followers.progress("twin", SECOND, 9 * SECOND)
+    with pytest.raises(MessageRejectedError, match=r"until 0\.5 s: must be 1 to 1 s") as caught:
+        followers.progress("twin", SECOND // 2, 0)
+    assert caught.value.reason is Reason.TIME
+    assert followers.blocking(2 * SECOND) == []
+
+
+def test_nobody_has_worked_on_telemetry_that_is_still_to_come():
+    followers = Followers(["twin"])
+    followers.telemetry_published(SECOND)
+    with pytest.raises(MessageRejectedError):
+        followers.progress("twin", 2 * SECOND, 9 * SECOND)
+    assert followers.blocking(0) == ["twin"]
+
+
+def test_a_follower_of_a_run_before_this_one_has_seen_nothing_of_it():
+    followers = Followers(["twin"])
+    followers.progress("twin", 100 * SECOND, 200 * SECOND)
+    assert followers.blocking(0) == []
+    followers.telemetry_published(SECOND)
+    assert followers.blocking(0) == ["twin"]
+
+
+def test_silent_are_those_who_said_nothing_since_a_time_whatever_the_others_say():
+    followers = Followers(["twin", "recorder"])
+    followers.progress("twin", 0, SECOND, now=1.0)
+    followers.progress("recorder", 0, SECOND, now=5.0)
+    assert followers.silent(["twin", "recorder"], since=3.0) == ["twin"]
+    assert followers.silent(["recorder"], since=3.0) == []
+    assert followers.silent(["twin", "recorder"], since=0.5) == []
+    assert Followers(["twin"]).silent(["twin"], since=0.0) == ["twin"]

@@ -5,18 +5,21 @@ import time
 
 import numpy as np
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import Float64MultiArray
 
-from bdt_msgs_py.exit_codes import LoopError
+from bdt_msgs_py.command_errors import LoopError
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_stamp, read_position, read_samples
 from bdt_msgs_py.topics import (
     CLOCK,
     COMMAND,
+    DIAGNOSTICS,
     MEASUREMENT,
     PLATFORM_JOINT,
     PROGRESS,
@@ -64,6 +67,10 @@ class Bench:
         )
         self.plant = ros.create(PlantNode, **parameters)
         ros.spin_until(lambda: self.command.get_subscription_count() == 1)
+
+    @property
+    def health(self):
+        return self.plant._health().values
 
     def _listen(self, kind, topic, received, read):
         self.node.create_subscription(
@@ -150,9 +157,141 @@ def test_a_command_that_is_not_a_finite_voltage_is_rejected_and_counted(ros, mes
     bench = Bench(ros)
     ros.spin_until(lambda: bench.measurements)
     bench.command.publish(message)
-    ros.spin_until(lambda: bench.plant._health().values["rejected_commands"] == 1)
+    ros.spin_until(lambda: bench.plant._health().values["rejected_messages"] == 1)
     bench.answer(0.0)
     assert bench.measurements[-1] == (PERIOD, 0.0)
+
+
+@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
+@pytest.mark.parametrize("stamp", [-1, 1, PERIOD // 2, 10**9, (2**31 - 1) * 10**9])
+def test_a_command_that_answers_no_measurement_moves_nothing(ros, mode, stamp):
+    bench = Bench(ros, mode=mode, telemetry_period=0.01, control_rate=100.0, sampling_rate=1000.0)
+    ros.spin_until(lambda: bench.measurements)
+    bench.command.publish(motor_voltage(stamp, 24.0))
+    ros.spin_until(lambda: bench.health["rejected_messages"] == 1)
+    reason = "stamp" if stamp < 0 else "time"
+    assert bench.health["rejected_messages_by_reason"] == f"command {reason}: 1"
+    if mode == "realtime":
+        ros.spin_until(lambda: len(bench.telemetry) > 20)
+        assert not np.concatenate(bench.telemetry)[:, 1].any()
+
+
+def test_voltages_beyond_the_hardware_s_limit_are_limited_and_counted(ros):
+    bench = Bench(ros, limits__voltage=10.0, telemetry_period=0.002)
+    ros.spin_until(lambda: bench.measurements)
+    for voltage in (9.0, 11.0, -1e300):
+        bench.answer(voltage)
+    ros.spin_until(lambda: len(bench.telemetry) == 3)
+    assert [rows[0, 1] for rows in bench.telemetry] == [9.0, 10.0, -10.0]
+    health = bench.plant._health()
+    assert (health.ok, health.values["limited_steps"]) == (False, 2)
+    assert health.summary == "commands missing, late or beyond the voltage limit"
+
+
+def test_beyond_its_travel_the_motor_gets_no_voltage_and_the_diagnostics_say_error(ros):
+    bench = Bench(ros, limits__position=1e-4, telemetry_period=0.002)
+    statuses = []
+    bench.node.create_subscription(
+        DiagnosticArray,
+        DIAGNOSTICS.name,
+        lambda message: statuses.extend(message.status),
+        qos_profile(DIAGNOSTICS),
+    )
+    ros.spin_until(lambda: bench.measurements)
+    while abs(bench.measurements[-1][1]) <= 1e-4:
+        bench.answer(40.0)
+    for _ in range(5):
+        bench.answer(40.0)
+    ros.spin_until(lambda: len(bench.telemetry) == len(bench.measurements) - 1)
+    rows = np.concatenate(bench.telemetry)[::10]
+    assert set(rows[np.abs(rows[:, 2]) > 1e-4, 1]) == {0.0}
+    assert set(rows[np.abs(rows[:, 2]) <= 1e-4, 1]) == {40.0}
+    ros.spin_until(lambda: any(one.level == DiagnosticStatus.ERROR for one in statuses))
+    assert "position beyond 0.0001 m: the motor gets 0 V" in statuses[-1].message
+
+
+def test_commands_are_taken_from_one_source_until_it_is_silent(ros):
+    bench = Bench(ros, command_timeout=0.5)
+    ros.spin_until(lambda: bench.measurements)
+    before = len(bench.measurements)
+    bench.command.publish(motor_voltage(0, 1.0, "/controller"))
+    ros.spin_until(lambda: len(bench.measurements) > before)
+    bench.command.publish(motor_voltage(PERIOD, 24.0, "/somebody"))
+    ros.spin_until(lambda: bench.health["rejected_messages_by_reason"] == "command source: 1")
+
+    def taken_over():
+        bench.command.publish(motor_voltage(PERIOD, 2.0, "/somebody"))
+        return bench.measurements[-1][0] > PERIOD
+
+    ros.spin_until(taken_over)
+
+
+def test_a_forged_answer_drives_the_motor_for_one_period_within_the_limits(ros):
+    """In the controller's name and in time it cannot be told from the controller's own."""
+    bench = Bench(ros, limits__voltage=24.0, telemetry_period=0.002)
+    ros.spin_until(lambda: bench.measurements)
+    for voltage in (0.0, 1e300, 0.0):
+        bench.answer(voltage)
+    ros.spin_until(lambda: len(bench.telemetry) == 3)
+    assert [rows[0, 1] for rows in bench.telemetry] == [0.0, 24.0, 0.0]
+
+
+def test_another_publisher_of_a_plant_s_topics_is_noticed_and_named(ros):
+    bench = Bench(ros)
+    other = ros.create(Node, "other")
+    other.create_publisher(JointState, MEASUREMENT.name, qos_profile(MEASUREMENT))
+    ros.spin_until(
+        lambda: bench.health["topics_with_several_publishers"] == "measurement: /other, /plant"
+    )
+    assert bench.plant._health().summary == "more than one publisher of measurement"
+
+
+def test_the_plant_owns_the_clock(ros):
+    plant = ros.create(PlantNode)
+    result = plant.set_parameters([Parameter("use_sim_time", value=True)])[0]
+    assert not result.successful
+    assert result.reason == "use_sim_time cannot be set while plant runs: the plant owns the clock"
+    assert not plant.get_parameter("use_sim_time").value
+    assert plant.set_parameters([Parameter("use_sim_time", value=False)])[0].successful
+
+
+@pytest.mark.parametrize("silent", ["twin", "recorder"])
+def test_the_follower_that_is_silent_is_named_whatever_the_other_one_says(ros, silent):
+    bench = Bench(
+        ros,
+        lockstep_followers=["twin", "recorder"],
+        telemetry_period=0.002,
+        lockstep_timeout=1.0,
+        resend_period=0.05,
+    )
+    (other,) = {"twin", "recorder"} - {silent}
+    listener = ros.create(Node, "listener")
+    listener.create_subscription(
+        Float64MultiArray, TELEMETRY.name, lambda _: None, qos_profile(TELEMETRY)
+    )
+    for name in ("twin", "recorder"):
+        bench.progress.publish(progress(name, 0, None))
+    ros.spin_until(lambda: bench.measurements)
+    bench.command.publish(motor_voltage(0, 0.0))
+    alive = bench.node.create_timer(
+        0.05, lambda: bench.progress.publish(progress(other, 1_800_000, None))
+    )
+    with pytest.raises(LoopError, match=f"for progress of {silent} at t = 0.002 s"):
+        ros.result(bench.plant.finished)
+    alive.cancel()
+
+
+def test_progress_from_the_past_does_not_hold_the_plant(ros):
+    bench = Bench(ros, lockstep_followers=["friend"], telemetry_period=0.002, resend_period=0.05)
+    bench.progress.publish(progress("friend", 0, None))
+    ros.spin_until(lambda: bench.measurements)
+    bench.command.publish(motor_voltage(0, 0.0))
+    ros.spin_until(lambda: bench.telemetry)
+    bench.progress.publish(progress("friend", 1_800_000, None))
+    ros.spin_until(lambda: bench.measurements[-1][0] == PERIOD)
+    bench.progress.publish(progress("friend", 0, 0))
+    ros.spin_until(lambda: bench.health["rejected_messages_by_reason"] == "progress time: 1")
+    bench.answer(0.0)
 
 
 def test_the_plant_ends_when_its_duration_is_over(ros):
@@ -186,8 +325,8 @@ def test_a_follower_holds_the_plant_until_it_has_the_telemetry_and_has_acted(ros
     ros.spin_for(0.3)
     assert not bench.measurements
 
-    def tell(telemetry_end, acts_at):
-        bench.progress.publish(progress("friend", telemetry_end, acts_at))
+    def tell(telemetry_end, earliest_action):
+        bench.progress.publish(progress("friend", telemetry_end, earliest_action))
 
     tell(0, None)
     ros.spin_until(lambda: bench.measurements)

@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from bdt_bringup.simulation.closed_loop import Scenario, simulate
 from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.pid import PidGains
-from bdt_controller.reference import Reference
+from bdt_controller.reference import ReferenceProfile
 from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.plant import AT_REST, PlantModel, Sampling, discretize_plant, plant_step
+from bdt_study.simulation.closed_loop import Scenario, simulate
 
 RATE, HOLD = 5000, 10
 MODEL = PlantModel()
@@ -82,7 +82,7 @@ def simulate_loop(profile, duration, rate, dead_zone_degrees, step_time, model):
     """Simulate 5 mm steps; see the fixture `closed_loop`."""
     scenario = Scenario(
         duration=duration,
-        reference=Reference(step_time=step_time),
+        reference=ReferenceProfile(step_time=step_time),
         gap=profile,
         dead_zone=1e-3 * dead_zone_degrees / 360,
         model=model,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bdt_twin.block_residual import BlockResidual, correlated_blocks, good_samples
+from bdt_twin.block_residual import BlockResidual, inliers, variance_inflation
 
 
 def test_means_are_those_of_the_blocks():
@@ -30,7 +30,7 @@ def test_outliers_may_be_nearly_half_of_a_block():
 
 
 def test_normal_noise_has_no_outliers():
-    assert good_samples(np.random.default_rng(3).normal(size=(4000, 25))).all()
+    assert inliers(np.random.default_rng(3).normal(size=(4000, 25))).all()
 
 
 @pytest.mark.parametrize("samples", [5, 6, 25, 50])
@@ -40,15 +40,15 @@ def test_outliers_are_those_beyond_twelve_median_deviations(samples):
     spread = np.median(distance, axis=1, keepdims=True)
     expected = distance <= 12.0 * np.maximum(spread, spread.mean())
     assert not expected.all()
-    assert (good_samples(residual) == expected).all()
+    assert (inliers(residual) == expected).all()
 
 
 def test_blocks_of_few_samples_are_not_screened():
-    assert good_samples(np.array([[0.0, 0.0, 1e9, 0.0]])).all()
+    assert inliers(np.array([[0.0, 0.0, 1e9, 0.0]])).all()
 
 
 def test_white_noise_counts_in_full():
-    assert correlated_blocks(np.random.default_rng(4).normal(size=4000), 20.0) < 1.3
+    assert variance_inflation(np.random.default_rng(4).normal(size=4000), 20.0) < 1.3
 
 
 def test_correlated_noise_counts_as_the_mean_of_it_varies():
@@ -56,8 +56,8 @@ def test_correlated_noise_counts_as_the_mean_of_it_varies():
     white, noise = np.random.default_rng(5).normal(size=200_000), np.zeros(200_000)
     for n in range(1, noise.size):
         noise[n] = 0.8 * noise[n - 1] + white[n]
-    assert correlated_blocks(noise, 200.0) == pytest.approx(9.0, rel=0.1)
+    assert variance_inflation(noise, 200.0) == pytest.approx(9.0, rel=0.1)
 
 
 def test_a_residual_of_zeros_is_white():
-    assert correlated_blocks(np.zeros(100), 200.0) == 1.0
+    assert variance_inflation(np.zeros(100), 200.0) == 1.0

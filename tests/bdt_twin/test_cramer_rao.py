@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from bdt_plant.plant import PlantModel
-from bdt_twin.cramer_rao import cramer_rao_bound, information_of
+from bdt_twin.cramer_rao import cramer_rao_bound, fisher_information
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.window_model import BEGINNING, Stretch, Unknowns, WindowModel
+from bdt_twin.window_model import INITIAL_CONDITION, Stretch, Unknowns, WindowModel
 
 RATE, BLOCK, NOISE, TIME = 1000.0, 5, 5e-6, 9.5
 KNOTS = np.arange(0.0, 12.1, 2.0)
@@ -22,38 +22,38 @@ def window_of(rows):
 def truth(degrees=10.0):
     """Return the unknowns of a loop that begins at rest, or nearly: slopes have two sides there."""
     gaps = np.full(KNOTS.size, math.radians(degrees))
-    beginnings = np.zeros((1, len(BEGINNING)))
-    beginnings[0, 0] = 0.01
-    return Unknowns(gaps, np.zeros(len(FACTORS)), beginnings)
+    initial_conditions = np.zeros((1, len(INITIAL_CONDITION)))
+    initial_conditions[0, 0] = 0.01
+    return Unknowns(gaps, np.zeros(len(FACTORS)), initial_conditions)
 
 
 def test_the_bound_is_that_of_all_samples_and_slopes_by_differences(closed_loop):
     window, unknowns = window_of(closed_loop().rows), truth()
-    vector, slopes = unknowns.as_vector(), []
+    vector, jacobian = unknowns.as_vector(), []
     directions = np.eye(vector.size)[KNOTS.size :]
     level, growth = np.zeros((2, vector.size))
     level[: KNOTS.size], growth[: KNOTS.size] = 1.0, KNOTS - TIME
     for direction in [level, growth, *directions]:
         ahead, behind = (
-            window.run(unknowns.from_vector(vector + change * direction))[0].position
+            window.simulate(unknowns.from_vector(vector + change * direction))[0].position
             for change in (1e-5, -1e-5)
         )
-        slopes.append((ahead - behind) / 2e-5)
+        jacobian.append((ahead - behind) / 2e-5)
     # The gap is what is left of its slope beside all other slopes.
-    others = np.array(slopes[1:]).T
+    others = np.array(jacobian[1:]).T
     others /= np.linalg.norm(others, axis=0)
-    left = slopes[0] - others @ np.linalg.lstsq(others, slopes[0], rcond=None)[0]
+    left = jacobian[0] - others @ np.linalg.lstsq(others, jacobian[0], rcond=None)[0]
     expected = NOISE / np.linalg.norm(left)
     assert cramer_rao_bound(window, unknowns, TIME, NOISE) == pytest.approx(expected, rel=0.05)
 
 
 def test_information_is_the_sum_over_all_measurements():
     random = np.random.default_rng(5)
-    slopes, weights = random.normal(size=(9, 300)), random.uniform(0.5, 2.0, 300)
-    for row, begin in zip(slopes, [0, 250, 299, 300, 10, 0, 120, 121, 120], strict=True):
+    jacobian, weights = random.normal(size=(9, 300)), random.uniform(0.5, 2.0, 300)
+    for row, begin in zip(jacobian, [0, 250, 299, 300, 10, 0, 120, 121, 120], strict=True):
         row[:begin] = 0.0
-    expected = (slopes * weights) @ slopes.T
-    assert information_of(slopes, weights) == pytest.approx(expected, abs=1e-10)
+    expected = (jacobian * weights) @ jacobian.T
+    assert fisher_information(jacobian, weights) == pytest.approx(expected, abs=1e-10)
 
 
 def test_the_bound_grows_with_the_noise(closed_loop):
@@ -82,5 +82,5 @@ def test_without_a_reversal_the_gap_is_nearly_unknown(closed_loop):
 
 
 def test_information_is_the_weighted_product_of_slopes():
-    slopes, weights = np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([10.0, 100.0])
-    assert information_of(slopes, weights).tolist() == [[410.0, 830.0], [830.0, 1690.0]]
+    jacobian, weights = np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([10.0, 100.0])
+    assert fisher_information(jacobian, weights).tolist() == [[410.0, 830.0], [830.0, 1690.0]]

@@ -5,7 +5,7 @@ import threading
 import numpy as np
 import pytest
 
-from bdt_twin.estimation_thread import PATIENCE, EstimationThread
+from bdt_twin.estimation_thread import LARGEST_BACKLOG, EstimationThread
 from bdt_twin.estimator import Estimate, TelemetryRejectedError
 
 DEADLINE = 30.0
@@ -91,12 +91,12 @@ def test_what_waits_too_long_is_taken_in_one_go(estimator, collector):
     estimator.go.clear()
     collector.thread.put(rows(0.0))
     assert estimator.busy.wait(DEADLINE)
-    for start in np.arange(1.0, PATIENCE + 3.0):
+    for start in np.arange(1.0, LARGEST_BACKLOG + 3.0):
         collector.thread.put(rows(start))
     estimator.go.set()
     first, second = collector.collect(2)
-    assert (first.newest, second.newest) == (0.0, PATIENCE + 2.0)
-    assert estimator.batches[1] == np.arange(1.0, PATIENCE + 3.0).tolist()
+    assert (first.newest, second.newest) == (0.0, LARGEST_BACKLOG + 2.0)
+    assert estimator.batches[1] == np.arange(1.0, LARGEST_BACKLOG + 3.0).tolist()
     assert estimator.newest_only == [False, True]
 
 
@@ -104,7 +104,7 @@ def test_what_waits_no_longer_than_lockstep_allows_is_worked_on_batch_by_batch(
     estimator, collector
 ):
     estimator.go.clear()
-    for start in np.arange(0.0, PATIENCE, 0.5):
+    for start in np.arange(0.0, LARGEST_BACKLOG, 0.5):
         collector.thread.put(rows(start))
     estimator.go.set()
     assert len(collector.collect(10)) == 10

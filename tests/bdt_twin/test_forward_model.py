@@ -11,8 +11,8 @@ from bdt_twin.forward_model import (
     compiled_structure,
     compiled_window,
     initial_state,
-    run_structure,
-    run_window,
+    simulate_stretch,
+    simulate_structure,
 )
 
 RATE, BLOCK = 1000.0, 5
@@ -20,7 +20,7 @@ STEP = discretize_plant(PlantModel(), 1 / RATE)
 
 
 def run_from_rest(loop):
-    return run_window(STEP, AT_REST, np.ascontiguousarray(loop.rows[:, 1]), loop.gaps, BLOCK)
+    return simulate_stretch(STEP, AT_REST, np.ascontiguousarray(loop.rows[:, 1]), loop.gaps, BLOCK)
 
 
 def test_from_the_true_beginning_the_position_is_that_of_the_plant(closed_loop):
@@ -56,21 +56,21 @@ def test_travel_is_the_way_that_the_screw_moved(closed_loop):
 
 def test_the_lag_stays_within_half_of_the_gap(closed_loop):
     run = run_from_rest(closed_loop())
-    assert np.abs(run.lag).max() == pytest.approx(np.deg2rad(5.0))
+    assert np.abs(run.relative_angle).max() == pytest.approx(np.deg2rad(5.0))
 
 
 def test_a_structure_follows_a_base_that_stays(closed_loop):
     step = discretize_structure(PlantModel().structure, 0.01)
-    position = run_structure(step, StructureState(0.0, 0.0, 0.0, 0.0), np.full(2000, 1e-3))
+    position = simulate_structure(step, StructureState(0.0, 0.0, 0.0, 0.0), np.full(2000, 1e-3))
     assert position[0] == 0.0
     assert position[-1] == pytest.approx(1e-3, rel=1e-9)
 
 
 def test_the_motor_begins_at_the_speed_for_its_voltage():
     state = initial_state(AT_REST.structure, 0.1, 2.0, PlantModel().motor.back_emf_constant)
-    run = run_window(STEP, state, np.full(100, 2.0), np.full(100, 50.0), 1)
-    assert np.diff(run.lag) == pytest.approx(np.full(99, 0.02), rel=2e-2)
-    assert run.lag[0] == 0.1
+    run = simulate_stretch(STEP, state, np.full(100, 2.0), np.full(100, 50.0), 1)
+    assert np.diff(run.relative_angle) == pytest.approx(np.full(99, 0.02), rel=2e-2)
+    assert run.relative_angle[0] == 0.1
 
 
 def test_without_numba_the_floats_are_the_same(closed_loop, monkeypatch):

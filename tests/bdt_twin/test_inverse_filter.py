@@ -19,8 +19,8 @@ from bdt_plant.plant_simulator import PlantSimulator
 from bdt_twin.angle_observer import AngleObserver
 from bdt_twin.contact import compiled_sums
 from bdt_twin.estimator import TelemetryRejectedError
-from bdt_twin.inverse_filter import STRETCH, InverseFilterEstimator, InverseFilterSettings
-from bdt_twin.recursion import compiled_recursion, filter_side_by_side
+from bdt_twin.iir_filters import compiled_filters, filter_motor_and_screw
+from bdt_twin.inverse_filter import SAMPLES_AT_A_TIME, InverseFilterEstimator, InverseFilterSettings
 
 RATE = 5000
 ROUNDING = 0.1
@@ -183,8 +183,14 @@ def test_batches_of_equal_size_give_the_same_estimates_exactly(recording, whole,
 
 def test_data_longer_than_a_stretch_gives_the_same_estimates_exactly(constant_gap):
     truth = constant_gap(10.0)
-    assert truth.voltage.size > 2 * STRETCH
-    cuts = [100, STRETCH - 1, STRETCH, STRETCH + 1, 2 * STRETCH + 7]
+    assert truth.voltage.size > 2 * SAMPLES_AT_A_TIME
+    cuts = [
+        100,
+        SAMPLES_AT_A_TIME - 1,
+        SAMPLES_AT_A_TIME,
+        SAMPLES_AT_A_TIME + 1,
+        2 * SAMPLES_AT_A_TIME + 7,
+    ]
     expected = estimate(truth.voltage, truth.position, QUICK)
     assert estimate(truth.voltage, truth.position, QUICK, cuts) == expected
     by_the_batch = range(500, truth.voltage.size, 500)
@@ -286,7 +292,7 @@ def test_the_defaults_are_those_of_the_paper():
 @pytest.fixture
 def without_numba(monkeypatch):
     monkeypatch.setattr(compilation, "find_spec", lambda _: None)
-    compiled = (compiled_sums, compiled_recursion)
+    compiled = (compiled_sums, compiled_filters)
     for loop in compiled:
         loop.cache_clear()
     yield
@@ -296,7 +302,7 @@ def without_numba(monkeypatch):
 
 @pytest.mark.usefixtures("without_numba")
 def test_without_numba_the_estimates_are_the_same_exactly(recording, whole):
-    assert compiled_recursion() is filter_side_by_side
+    assert compiled_filters() is filter_motor_and_screw
     assert estimate(*recording, QUICK) == whole
 
 

@@ -84,7 +84,7 @@ def test_after_dropping_everything_older_estimates_count_again():
     link = link_with(0.0)
     link.send(5, 5, 1e-5)
     link.deliver(5)
-    link.drop()
+    link.restart()
     link.send(1, 1, 2e-5)
     assert link.deliver(1) == Reconfiguration(1, 1, 2e-5)
 
@@ -104,7 +104,7 @@ def test_the_next_arrival_is_known():
 def test_dropping_forgets_everything_on_its_way():
     link = link_with(1.0)
     link.send(0, 0, 1e-5)
-    link.drop()
+    link.restart()
     assert link.next_due() is None
     assert link.deliver(9 * SECOND) is None
 

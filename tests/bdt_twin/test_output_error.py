@@ -113,8 +113,8 @@ def test_where_the_model_is_exact_the_error_is_near_the_cramer_rao_bound(closed_
         for batch in np.split(measured(rows, 5e-6, 1e-9, seed), 2):
             estimate = estimator.update(batch)
         # The last window that was complete ended at 10 s.
-        lesson = estimator.lesson
-        bounds.append(cramer_rao_bound(lesson.window, lesson.fit.unknowns, estimate.time, 5e-6))
+        last_fit = estimator.last_fit
+        bounds.append(cramer_rao_bound(last_fit.window, last_fit.fit.unknowns, estimate.time, 5e-6))
         errors.append(estimate.gap - gap_at(profile, estimate.time))
     assert np.sqrt(np.mean(np.square(errors))) < 2.0 * np.mean(bounds)
     # An unbiased estimator that is much better than the bound would show the bound to be wrong.
@@ -255,10 +255,10 @@ def test_time_that_goes_back_restarts(closed_loop):
     rows = closed_loop().rows
     estimator = OutputErrorEstimator(PlantModel(), CHOSEN, RATE)
     estimator.update(rows)
-    assert estimator.lesson is not None
+    assert estimator.last_fit is not None
     with pytest.raises(TelemetryRejectedError, match="time goes back"):
         estimator.update(rows[:500])
-    assert estimator.lesson is None
+    assert estimator.last_fit is None
     assert [estimator.update(rows)] == estimates_of(rows)
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from bdt_twin.dead_zone_width import DeadZoneRule, DeadZoneSettings
+from bdt_twin.dead_zone_tolerance import DeadZoneRule, DeadZoneSettings
 from bdt_twin.estimator import Estimate
 from bdt_twin.link import DelayedLink, LinkSettings, Reconfiguration
 from bdt_twin.reconfiguration import Reconfigurator

@@ -1,9 +1,12 @@
 """The twin node: telemetry in, estimates out, the dead zone of a controller reconfigured."""
 
+import sys
+
 import numpy as np
 import pytest
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import Float64MultiArray
@@ -11,6 +14,7 @@ from std_msgs.msg import Float64MultiArray
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_stamp, read_position
+from bdt_msgs_py.time_sequence import SILENCE
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
     CLOCK,
@@ -63,14 +67,17 @@ class Bench:
         self.node.create_subscription(
             TimeReference, PROGRESS.name, self.progress.append, qos_profile(PROGRESS)
         )
-        if controller:
-            peer = ros.create(Node, "controller")
-            peer.declare_parameter("dead_zone_tolerance", 0.0, ParameterDescriptor())
-            peer.add_on_set_parameters_callback(self._decide)
+        self.peer = self.start_controller() if controller else None
         self.twin = ros.create(TwinNode, use_sim_time=True, **parameters)
         ros.spin_until(lambda: self.telemetry.get_subscription_count() == 1)
         ros.spin_until(lambda: self.clock.get_subscription_count() == 1)
         ros.spin_until(lambda: self.node.count_publishers(BACKLASH_ESTIMATE.name) == 1)
+
+    def start_controller(self):
+        peer = self.ros.create(Node, "controller")
+        peer.declare_parameter("dead_zone_tolerance", 0.0, ParameterDescriptor())
+        peer.add_on_set_parameters_callback(self._decide)
+        return peer
 
     def _decide(self, parameters):
         self.requests.append((self.time, parameters[0].value))
@@ -83,10 +90,10 @@ class Bench:
         self.ros.spin_until(lambda: self.twin.get_clock().now().nanoseconds == round(time * 1e9))
 
     def send(self, rows):
-        taken = self.health["telemetry_accepted"] + self.health["telemetry_rejected"]
+        taken = self.health["telemetry_accepted"] + self.health["rejected_messages"]
         self.telemetry.publish(sample_message(rows, TELEMETRY_COLUMNS))
         self.ros.spin_until(
-            lambda: self.health["telemetry_accepted"] + self.health["telemetry_rejected"] > taken
+            lambda: self.health["telemetry_accepted"] + self.health["rejected_messages"] > taken
         )
 
     def run(self, rows):
@@ -149,8 +156,8 @@ def test_the_twin_tells_a_lockstep_plant_when_it_will_act(ros, telemetry):
     bench = Bench(ros, communication_delay=1.0)
     bench.run(telemetry[:7500])
     bench.wait_for_progress(1_499_800_000)
-    acts_at = nanoseconds_from_stamp(bench.progress[-1].time_ref)
-    assert acts_at == bench.twin._reconfigurator.next_due()
+    earliest_action = nanoseconds_from_stamp(bench.progress[-1].time_ref)
+    assert earliest_action == bench.twin._reconfigurator.next_due()
     assert bench.progress[-1].source == "twin"
 
 
@@ -184,6 +191,51 @@ def test_a_twin_that_only_estimates_leaves_the_controller_alone(ros, telemetry):
     assert not any(DEAD_ZONE_JOINT in message.name for message in bench.messages)
 
 
+def test_what_is_on_its_way_when_somebody_takes_the_dead_zone_over_does_not_arrive(ros, telemetry):
+    bench = Bench(ros, communication_delay=1.0)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.twin._reconfigurator.next_due() is not None)
+    (result,) = bench.twin.set_parameters([Parameter("reconfigure", value=False)])
+    assert result.successful
+    bench.wait_for_progress(1_499_800_000)
+    ros.spin_until(lambda: bench.progress[-1].time_ref.sec == 2**31 - 1)
+    # A clock that goes on for more than 2 s at once is none.
+    bench.tick(3.0)
+    bench.tick(5.0)
+    ros.spin_for(0.2)
+    assert not bench.requests
+    (result,) = bench.twin.set_parameters([Parameter("communication_delay", value=2.0)])
+    assert not result.successful
+
+
+def test_what_has_arrived_and_waits_for_the_controller_is_forgotten_with_the_take_over(
+    ros, telemetry
+):
+    bench = Bench(ros, controller=False, communication_delay=0.0, service_timeout=60.0)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.health["estimates"] > 0)
+    (result,) = bench.twin.set_parameters([Parameter("reconfigure", value=False)])
+    assert result.successful
+    bench.start_controller()
+    ros.spin_until(lambda: bench.progress and bench.progress[-1].time_ref.sec == 2**31 - 1)
+    ros.spin_for(0.5)
+    assert not bench.requests
+
+
+def test_a_new_controller_is_left_alone_after_a_take_over(ros, telemetry):
+    bench = Bench(ros, communication_delay=0.0)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.health["reconfigurations"] >= 1)
+    (result,) = bench.twin.set_parameters([Parameter("reconfigure", value=False)])
+    assert result.successful
+    ros.executor.remove_node(bench.peer)
+    bench.peer.destroy_node()
+    asked = len(bench.requests)
+    bench.start_controller()
+    ros.spin_for(0.5)
+    assert len(bench.requests) == asked
+
+
 def test_a_refusal_is_counted_and_the_twin_goes_on(ros, telemetry):
     bench = Bench(ros, accept=False, communication_delay=0.0)
     bench.run(telemetry)
@@ -196,6 +248,65 @@ def test_a_controller_that_is_not_there_is_counted_and_the_twin_goes_on(ros, tel
     bench.run(telemetry)
     ros.spin_until(lambda: bench.health["failed_reconfigurations"] >= 1)
     assert bench.health["estimates"] > 0
+
+
+def test_a_controller_that_comes_anew_is_sent_what_is_in_force_after_the_delay(ros, telemetry):
+    bench = Bench(ros, communication_delay=0.2, service_timeout=1.0)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.health["reconfigurations"] >= 1)
+    in_force = bench.peer.get_parameter("dead_zone_tolerance").value
+    ros.executor.remove_node(bench.peer)
+    bench.peer.destroy_node()
+    # What was on its way is over before the new one comes.
+    bench.tick(3.0)
+    ros.spin_until(lambda: bench.twin._delivery.next_due() is None)
+    bench.peer = bench.start_controller()
+    ros.spin_until(lambda: bench.twin._reconfigurator.next_due() is not None)
+    assert bench.twin._reconfigurator.next_due() == 3_200_000_000
+    asked = len(bench.requests)
+    bench.tick(3.19)
+    ros.spin_for(0.1)
+    assert len(bench.requests) == asked
+    bench.tick(3.2)
+    ros.spin_until(lambda: len(bench.requests) > asked)
+    assert bench.requests[-1][1] > 0.0
+    assert bench.requests[-1][1] == pytest.approx(in_force, rel=0.1)
+
+
+def test_the_first_controller_is_sent_nothing_but_what_is_estimated(ros):
+    bench = Bench(ros, communication_delay=0.0)
+    ros.spin_for(0.3)
+    assert not bench.requests
+
+
+@pytest.mark.parametrize("stamp", [-1, -(2**31) * 10**9])
+def test_a_clock_before_zero_does_not_end_the_twin(ros, telemetry, stamp):
+    bench = Bench(ros)
+    bench.run(telemetry[:500])
+    bench.clock.publish(Clock(clock=stamp_from_nanoseconds(stamp)))
+    ros.spin_until(lambda: bench.health["rejected_messages_by_reason"] == "clock stamp: 1")
+    assert bench.twin.get_clock().now().nanoseconds == 100_000_000
+
+
+@pytest.mark.parametrize("factor", [1e3, 3e9, 1e300])
+def test_telemetry_of_absurd_times_is_rejected_and_the_run_goes_on(ros, telemetry, factor):
+    bench = Bench(ros)
+    bench.run(telemetry[:1000])
+    rows = telemetry[1000:1500].copy()
+    rows[:, 0] *= factor
+    bench.send(rows)
+    assert bench.health["rejected_messages"] == 1
+    bench.run(telemetry[1000:7500])
+    assert bench.health["rejected_messages"] == 1
+    assert bench.health["estimates"] > 0
+
+
+def test_two_twins_are_noticed(ros):
+    bench = Bench(ros)
+    ros.create(TwinNode)
+    ros.spin_until(
+        lambda: bench.health["topics_with_several_publishers"] == "backlash_estimate: /twin, /twin"
+    )
 
 
 def broken(rows, how):
@@ -253,28 +364,65 @@ def test_an_estimator_of_somebody_else_sets_a_dead_zone_with_its_margin(
     assert bench.health["estimator"] == "stubborn:Stubborn"
 
 
+FAILS_ONCE = """
+from bdt_twin.estimator import Estimate
+
+class FailsOnce:
+    def restart(self):
+        self.batches = 0
+
+    def update(self, batch):
+        self.batches += 1
+        if self.batches == 2:
+            raise RuntimeError("no idea")
+        return Estimate(batch[-1, 0], 0.25)
+"""
+
+
+def test_an_error_of_somebody_s_estimator_is_told_and_the_twin_goes_on(
+    ros, telemetry, tmp_path, monkeypatch
+):
+    (tmp_path / "fails_once.py").write_text(FAILS_ONCE)
+    monkeypatch.chdir(tmp_path)
+    bench = Bench(ros, estimator__kind="fails_once:FailsOnce", communication_delay=0.0)
+    bench.run(telemetry[:BATCH])
+    ros.spin_until(lambda: bench.requests)
+    assert bench.health["estimator_errors"] == 0
+    bench.run(telemetry[BATCH : 2 * BATCH])
+    assert bench.health["estimator_errors"] == 1
+    assert bench.health["estimator_error"] == "fails_once.py:11: RuntimeError: no idea"
+    assert bench.health["gap_estimate_rad"] == 0.25, "the last estimate is kept"
+    bench.run(telemetry[2 * BATCH : 3 * BATCH])
+    assert bench.health["estimates"] == 2
+    assert bench.health["estimator_errors"] == 1
+    sys.modules.pop("fails_once")
+
+
 @pytest.mark.parametrize("how", ["nan", "hole", "back in time", "lost batch"])
 def test_telemetry_that_does_not_continue_is_rejected_and_counted(ros, telemetry, how):
     bench = Bench(ros)
     bench.run(telemetry[:1000])
     if how == "back in time":
         bench.send(telemetry[:500])
+        ros.spin_for(2 * SILENCE)
         following = telemetry[500:1000]
     elif how == "lost batch":
-        bench.send(telemetry[1500:2000])
-        following = telemetry[2000:2500]
+        bench.telemetry.publish(sample_message(telemetry[1500:2000], TELEMETRY_COLUMNS))
+        ros.spin_for(2 * SILENCE)
+        bench.send(telemetry[2000:2500])
+        following = telemetry[2500:3000]
     else:
         bench.send(broken(telemetry[1000:1500], how))
         following = telemetry[1500:2000]
-    assert bench.health["telemetry_rejected"] == 1
+    assert bench.health["rejected_messages"] == 1
     bench.send(following)
-    assert bench.health["telemetry_rejected"] == 1
+    assert bench.health["rejected_messages"] == 1
 
 
 def test_messages_without_the_layout_of_telemetry_are_rejected_and_counted(ros):
     bench = Bench(ros)
     bench.telemetry.publish(Float64MultiArray())
-    ros.spin_until(lambda: bench.health["telemetry_rejected"] == 1)
+    ros.spin_until(lambda: bench.health["rejected_messages"] == 1)
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,11 @@
-"""The slopes of the window's model are those of its own simulation."""
+"""The Jacobian of the window's model is that of its own simulation."""
 
 import numpy as np
 import pytest
 
 from bdt_plant.plant import PlantModel
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.window_model import BEGINNING, Stretch, Unknowns, WindowModel
+from bdt_twin.window_model import INITIAL_CONDITION, Stretch, Unknowns, WindowModel
 
 RATE, BLOCK = 1000.0, 5
 KNOTS = np.arange(0.0, 12.1, 2.0)
@@ -20,22 +20,25 @@ def window_of(loop, *cuts):
 
 def unknowns_of(window):
     """Return unknowns away from any special case."""
-    beginnings = np.zeros((len(window.stretches), len(BEGINNING)))
-    beginnings[:] = [0.3, 1e-4, 2e-4, -1e-3, 3e-4, 2e-3]
+    initial_conditions = np.zeros((len(window.stretches), len(INITIAL_CONDITION)))
+    initial_conditions[:] = [0.3, 1e-4, 2e-4, -1e-3, 3e-4, 2e-3]
     gaps = np.deg2rad(np.linspace(8.0, 12.0, KNOTS.size))
-    return Unknowns(gaps, np.array([0.021, -0.013, 0.105]), beginnings)
+    return Unknowns(gaps, np.array([0.021, -0.013, 0.105]), initial_conditions)
 
 
 def means(window, unknowns):
     return np.concatenate(
-        [run.position.reshape(-1, BLOCK).mean(axis=1) for run in window.run(unknowns)]
+        [
+            simulate.position.reshape(-1, BLOCK).mean(axis=1)
+            for simulate in window.simulate(unknowns)
+        ]
     )
 
 
 def test_a_vector_holds_all_unknowns(closed_loop):
     unknowns = unknowns_of(window_of(closed_loop(), (0, 5000), (6000, 12000)))
     vector = unknowns.as_vector()
-    assert vector.size == KNOTS.size + len(FACTORS) + 2 * len(BEGINNING)
+    assert vector.size == KNOTS.size + len(FACTORS) + 2 * len(INITIAL_CONDITION)
     assert (unknowns.from_vector(vector).as_vector() == vector).all()
 
 
@@ -44,18 +47,18 @@ def test_unknowns_stay_where_they_have_a_meaning(closed_loop):
     far = unknowns.from_vector(unknowns.as_vector() - 5.0)
     assert (far.gaps == 0.0).all()
     assert (far.factors == -1.0).all()
-    assert far.beginnings[0, 0] == -1.0
+    assert far.initial_conditions[0, 0] == -1.0
 
 
 @pytest.mark.parametrize("cuts", [[(0, 12000)], [(1000, 6000), (7000, 12000)]])
-def test_slopes_are_those_of_the_simulation(closed_loop, cuts):
+def test_the_jacobian_is_that_of_the_simulation(closed_loop, cuts):
     window = window_of(closed_loop(), *cuts)
     unknowns = unknowns_of(window)
     vector = unknowns.as_vector()
     # Taken from block to block, they miss what is faster than a block.
-    slopes = window.slopes(unknowns, window.run(unknowns))
-    assert slopes.shape == (vector.size, sum(end - begin for begin, end in cuts) // BLOCK)
-    for number, slope in enumerate(slopes):
+    jacobian = window.jacobian(unknowns, window.simulate(unknowns))
+    assert jacobian.shape == (vector.size, sum(end - begin for begin, end in cuts) // BLOCK)
+    for number, slope in enumerate(jacobian):
         change = np.zeros(vector.size)
         change[number] = 1e-6
         ahead, behind = (

@@ -14,8 +14,8 @@ from bdt_twin.window_model import Stretch, Unknowns, WindowModel
 from bdt_twin.window_search import (
     FEWEST_SIMULATIONS,
     MOST_SAMPLES,
-    beginnings_at_rest,
     fit_window,
+    initial_conditions_at_rest,
 )
 
 RATE, BLOCK = 1000.0, 5
@@ -31,22 +31,22 @@ def window_of(loop, begin=0, end=12000, rate=RATE, block=BLOCK):
 
 def unknowns_with(window, degrees):
     gaps = np.full(window.knots.size, math.radians(degrees))
-    return Unknowns(gaps, np.zeros(len(FACTORS)), beginnings_at_rest(window))
+    return Unknowns(gaps, np.zeros(len(FACTORS)), initial_conditions_at_rest(window))
 
 
 @pytest.fixture
 def simulated(monkeypatch):
     """Count the samples that windows simulate, by their sampling rate."""
     counts = {}
-    run = WindowModel.run
+    simulate = WindowModel.simulate
 
     def counted(window, unknowns):
         samples = sum(stretch.voltage.size for stretch in window.stretches)
         rate = round(window.block_rate * window.block)
         counts.setdefault(rate, []).append(samples)
-        return run(window, unknowns)
+        return simulate(window, unknowns)
 
-    monkeypatch.setattr(WindowModel, "run", counted)
+    monkeypatch.setattr(WindowModel, "simulate", counted)
     return counts
 
 
@@ -94,7 +94,7 @@ def test_the_work_of_a_window_is_limited(closed_loop, simulated, monkeypatch, wr
     predicted = None if wrong is None else unknowns_with(window, wrong)
     fit_window(spoiled, GROWTH_CHANGE, predicted, 1e-9)
     assert len(simulated[RATE]) <= fits * FEWEST_SIMULATIONS
-    # All beginnings together are tried with fewer samples than a single fit has.
+    # All initial_conditions together are tried with fewer samples than a single fit has.
     assert sum(simulated[500]) < MOST_SAMPLES
 
 
@@ -112,7 +112,7 @@ def test_a_coarse_copy_is_the_same_mechanism(closed_loop):
     window = window_of(closed_loop(GROWING, rate=5000.0), 12503, 52503, 5000.0, 25)
     coarse = window.coarse(1000.0, 50.0)
     unknowns = unknowns_with(window, 10.0)
-    fine, rough = window.run(unknowns)[0].position, coarse.run(unknowns)[0].position
+    fine, rough = window.simulate(unknowns)[0].position, coarse.simulate(unknowns)[0].position
     assert coarse.stretches[0].first == 2501
     assert coarse.block == 20
     assert rough.size % 20 == 0

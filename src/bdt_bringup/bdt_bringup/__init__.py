@@ -1,1 +1,1 @@
-"""Entry point of the backlash digital twin: the command ``bdt`` in place of a launch file."""
+"""The command ``bdt``: finds subcommands and nodes by name, starts and watches the loop."""

@@ -1,28 +1,40 @@
 """Dead-zone PID controller as a ROS 2 node: answers every measurement with a command."""
 
-import math
+import secrets
 import sys
+import time
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
+from rclpy.clock import JumpThreshold, TimeJump
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
 from bdt_controller.controller import DeadZoneController
 from bdt_controller.parameters import PARAMETERS
+from bdt_controller.plausibility import PlausibilityCheck, UnbelievedReadingError, Verdict
 from bdt_controller.reference import reference_at
+from bdt_msgs_py.admission import Admission
 from bdt_msgs_py.diagnostics import DiagnosticsPublisher, Health
+from bdt_msgs_py.message_checks import check_position
 from bdt_msgs_py.node_main import run_node
 from bdt_msgs_py.node_parameters import (
     accepted,
     declare_all,
     reconfigured,
-    refused,
+    rejected,
 )
 from bdt_msgs_py.qos import qos_profile
-from bdt_msgs_py.reading import read_position
-from bdt_msgs_py.topics import COMMAND, CONTROLLER_NODE, MEASUREMENT, PLATFORM_JOINT, REFERENCE
+from bdt_msgs_py.rejection import MessageRejectedError
+from bdt_msgs_py.topics import (
+    COMMAND,
+    CONTROLLER_NODE,
+    DEAD_ZONE_PARAMETER,
+    MEASUREMENT,
+    REFERENCE,
+)
 from bdt_msgs_py.writing import motor_voltage, platform_position
 
 
@@ -42,12 +54,17 @@ class ControllerNode(Node):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(CONTROLLER_NODE, **node_arguments)
-        self._settings, self._gains, self._reference = declare_all(self, PARAMETERS)
+        self._settings, self._gains, self._reference, self._plausible = declare_all(
+            self, PARAMETERS
+        )
         self._controller = DeadZoneController(self._gains, self._settings)
         self._period = round(1e9 / self._settings.control_rate)
-        self._rejected = self._missed = self._restarts = self._reported_troubles = 0
-        self._target: float | None = None
-        self._forget_the_run()
+        self._missed = self._restarts = self._reported_troubles = 0
+        self._dead_zone_set_by = "start-up"
+        self._plausibility = PlausibilityCheck(self._plausible, self._settings.control_rate)
+        self._source = ""
+        self._reference_position: float | None = None
+        self._reset()
 
         self._command_publisher = self.create_publisher(
             JointState, COMMAND.name, qos_profile(COMMAND)
@@ -63,54 +80,76 @@ class ControllerNode(Node):
         self.create_subscription(
             JointState, MEASUREMENT.name, self._take_measurement, qos_profile(MEASUREMENT)
         )
+        self._admission = Admission(self, (COMMAND, REFERENCE, MEASUREMENT))
+        went_back = JumpThreshold(min_forward=None, min_backward=Duration(nanoseconds=-1))
+        self._jumps = self.get_clock().create_jump_callback(
+            went_back, post_callback=self._expect_restart
+        )
         self._diagnostics = DiagnosticsPublisher(self, self._health)
         self.add_on_set_parameters_callback(self._check_parameters)
         self.add_post_set_parameters_callback(self._use_parameters)
 
-    def _forget_the_run(self) -> None:
+    def _reset(self) -> None:
         self._controller.reset()
         self._first_stamp: int | None = None
         self._last_stamp = -1
-        self._command: JointState | None = None
+        self._voltage = 0.0
 
     # Measurements --------------------------------------------------------------------------
 
     def _take_measurement(self, message: JointState) -> None:
         try:
-            stamp, position = read_position(message, PLATFORM_JOINT)
-        except ValueError as error:
-            self._reject(str(error))
+            stamp, position = check_position(message)
+        except MessageRejectedError as error:
+            self._admission.reject(MEASUREMENT, error)
             return
-        if not math.isfinite(position):
-            self._reject(f"position {position} m: must be finite")
+        try:
+            verdict = self._plausibility.check(stamp, position, time.monotonic())
+        except UnbelievedReadingError as error:
+            # The voltage in force goes on: a plant in lockstep waits for an answer.
+            self._admission.reject(MEASUREMENT, error)
+        except MessageRejectedError as error:
+            self._admission.reject(MEASUREMENT, error)
             return
-        if stamp == self._last_stamp and self._command is not None:
-            self._command_publisher.publish(self._command)
-            return
-        if stamp < self._last_stamp:
+        else:
+            if verdict is not Verdict.REPEAT:
+                self._advance(stamp, position, begins=verdict is Verdict.BEGIN)
+        self._command_publisher.publish(motor_voltage(stamp, self._voltage, self._source))
+
+    def _advance(self, stamp: int, position: float, *, begins: bool) -> None:
+        if begins and self._last_stamp >= 0:
             self._restarts += 1
             self.get_logger().warning("time went back: the controller starts anew")
-            self._forget_the_run()
+            self._reset()
+        self._source = self._source or self._command_source()
         self._count_missed(stamp)
         self._last_stamp = stamp
-        self._command = motor_voltage(stamp, self._voltage(stamp, position))
-        self._command_publisher.publish(self._command)
+        self._voltage = self._next_voltage(stamp, position)
 
-    def _voltage(self, stamp: int, position: float) -> float:
+    def _next_voltage(self, stamp: int, position: float) -> float:
         """Return the voltage that answers a measurement; zero while there is no reference."""
         if self._reference.kind != "topic":
             self._follow_reference(stamp)
-        if self._target is None:
+        if self._reference_position is None:
             return 0.0
-        return self._controller.step(self._target, position)
+        return self._controller.step(self._reference_position, position)
+
+    def _command_source(self) -> str:
+        """Return what commands name as their source.
+
+        It is the name of the node, the same in every run. Where commands are already published,
+        perhaps by a node of the same name, the plant has to tell this one apart.
+        """
+        name = self.get_fully_qualified_name()
+        alone = self.count_publishers(COMMAND.name) <= 1
+        return name if alone else f"{name} {secrets.token_hex(4)}"
+
+    def _expect_restart(self, _jump: TimeJump) -> None:
+        self._plausibility.expect_restart()
 
     def _count_missed(self, stamp: int) -> None:
         if self._last_stamp >= 0:
             self._missed += max(round((stamp - self._last_stamp) / self._period) - 1, 0)
-
-    def _reject(self, reason: str) -> None:
-        self._rejected += 1
-        self.get_logger().warning(f"rejected a message: {reason}", throttle_duration_sec=1.0)
 
     # Reference -----------------------------------------------------------------------------
 
@@ -119,21 +158,19 @@ class ControllerNode(Node):
         begins = self._first_stamp is None
         if self._first_stamp is None:
             self._first_stamp = stamp
-        target = reference_at(self._reference, (stamp - self._first_stamp) * 1e-9)
-        if begins or target != self._target:
-            self._target = target
-            self._reference_publisher.publish(platform_position(stamp, target))
+        reference_position = reference_at(self._reference, (stamp - self._first_stamp) * 1e-9)
+        if begins or reference_position != self._reference_position:
+            self._reference_position = reference_position
+            self._reference_publisher.publish(platform_position(stamp, reference_position))
 
     def _take_reference(self, message: JointState) -> None:
         try:
-            _, target = read_position(message, PLATFORM_JOINT)
-        except ValueError as error:
-            self._reject(str(error))
+            stamp, position = check_position(message)
+            self._plausible.check_reference(position, stamp, self._last_stamp)
+        except MessageRejectedError as error:
+            self._admission.reject(REFERENCE, error)
             return
-        if not math.isfinite(target):
-            self._reject(f"reference {target} m: must be finite")
-            return
-        self._target = target
+        self._reference_position = position
 
     # Parameters ----------------------------------------------------------------------------
 
@@ -142,28 +179,31 @@ class ControllerNode(Node):
             reconfigured(self._gains, "pid", changes)
             reconfigured(self._settings, "", changes)
         except ValueError as error:
-            return refused(str(error))
+            return rejected(str(error))
         return accepted()
 
     def _use_parameters(self, changes: list[Parameter]) -> None:
         self._gains = reconfigured(self._gains, "pid", changes)
         self._settings = reconfigured(self._settings, "", changes)
+        if any(change.name == DEAD_ZONE_PARAMETER for change in changes):
+            self._dead_zone_set_by = "parameter service"
         self._controller.configure(self._gains, self._settings)
 
     # Diagnostics ---------------------------------------------------------------------------
 
     def _health(self) -> Health:
-        troubles = self._rejected + self._missed + self._restarts
-        well = troubles == self._reported_troubles
+        troubles = self._missed + self._restarts
+        ok = troubles == self._reported_troubles
         self._reported_troubles = troubles
         values = {
             "dead_zone_tolerance_m": self._settings.dead_zone_tolerance,
-            "reference_m": self._target,
-            "rejected_messages": self._rejected,
+            "dead_zone_set_by": self._dead_zone_set_by,
+            "reference_m": self._reference_position,
             "missed_measurements": self._missed,
             "restarts": self._restarts,
         }
-        return Health(well, "controlling" if well else "measurements missing or not valid", values)
+        health = Health(ok, "controlling" if ok else "measurements missing or begun anew", values)
+        return self._admission.complete(health)
 
 
 def main(args: list[str] | None = None) -> None:

@@ -1,6 +1,6 @@
 """Switched dead zone around the PID (eqs 7 and 8)."""
 
-from bdt_controller.pid import PidState, PidStep, pid_step
+from bdt_controller.pid import DiscretePid, PidState, pid_step
 
 
 def dead_zone_error(error: float, tolerance: float) -> float:
@@ -17,7 +17,7 @@ def dead_zone_error(error: float, tolerance: float) -> float:
 
 
 def dead_zone_pid_step(
-    state: PidState, error: float, tolerance: float, step: PidStep
+    state: PidState, error: float, tolerance: float, step: DiscretePid
 ) -> tuple[PidState, float]:
     """Advance the dead-zone PID by one control period (eqs 7 and 8).
 

@@ -2,7 +2,13 @@
 
 from bdt_controller.controller import ControllerSettings
 from bdt_controller.pid import PidGains
-from bdt_controller.reference import Reference
+from bdt_controller.plausibility import PlausibilitySettings
+from bdt_controller.reference import ReferenceProfile
 
-PARAMETERS = (("", ControllerSettings), ("pid", PidGains), ("reference", Reference))
+PARAMETERS = (
+    ("", ControllerSettings),
+    ("pid", PidGains),
+    ("reference", ReferenceProfile),
+    ("plausibility", PlausibilitySettings),
+)
 """Prefix and dataclass, in the order in which the node declares them."""

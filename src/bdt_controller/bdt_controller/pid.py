@@ -1,7 +1,7 @@
 """PID with filtered derivative (eqs 4 and 5), one control step at a time."""
 
-import math
 from dataclasses import dataclass
+from decimal import Context, Decimal
 from typing import NamedTuple
 
 from bdt_msgs_py.quantities import quantity, validate
@@ -9,13 +9,17 @@ from bdt_msgs_py.quantities import quantity, validate
 SMALLEST_SIGNAL = 1e-30
 """A decaying filter state [m] below this is zero: subnormal floats are slow."""
 
+_DECIMAL = Context(prec=40)
+# Rounded correctly, as the exponential function of the C library is not: its last bit differs from
+# one computer to the next.
+
 
 @dataclass(frozen=True)
 class PidGains:
     """Gains of eq. 4; the paper leaves them open.
 
     The defaults put the first gain crossover at 10 rad/s with a smallest phase margin of 17
-    degrees for the plant of table 1 (designed by :func:`bdt_bringup.design.pid_design.design_pid`).
+    degrees for the plant of table 1 (designed by :func:`bdt_study.design.pid_design.design_pid`).
     """
 
     proportional: float = quantity(
@@ -47,7 +51,7 @@ class PidState(NamedTuple):
     filtered: float
 
 
-class PidStep(NamedTuple):
+class DiscretePid(NamedTuple):
     """Coefficients of the discrete PID for one control period.
 
     Attributes
@@ -74,23 +78,23 @@ class PidStep(NamedTuple):
 INITIAL_PID = PidState(0.0, 0.0)
 
 
-def discretize_pid(gains: PidGains, period: float) -> PidStep:
+def discretize_pid(gains: PidGains, period: float) -> DiscretePid:
     """Return the discrete equivalent of eq. 4 for a control `period` [s].
 
     Each error stands for the period that ends with it, and for that signal the result is exact.
     A zero error therefore leaves the integral alone at once, as eq. 8 demands in the dead zone;
     the trapezoid rule would still add half of the last error.
     """
-    return PidStep(
+    return DiscretePid(
         gains.proportional,
         gains.integral,
         gains.derivative / gains.filter_time,
         period,
-        math.exp(-period / gains.filter_time),
+        float(_DECIMAL.exp(Decimal(-period / gains.filter_time))),
     )
 
 
-def pid_step(state: PidState, error: float, step: PidStep) -> tuple[PidState, float]:
+def pid_step(state: PidState, error: float, step: DiscretePid) -> tuple[PidState, float]:
     """Advance the PID by one control period (eqs 4 and 5).
 
     Parameters
@@ -99,7 +103,7 @@ def pid_step(state: PidState, error: float, step: PidStep) -> tuple[PidState, fl
         State before.
     error : float
         Tracking error e = r - q3 [m], or e_dz of eq. 8.
-    step : PidStep
+    step : DiscretePid
         From :func:`discretize_pid`.
 
     Returns

@@ -13,7 +13,7 @@ _TIME_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
-class Reference:
+class ReferenceProfile:
     """Source of the reference; the paper shows steps and leaves amplitude and length open."""
 
     kind: str = quantity(
@@ -45,7 +45,7 @@ class Reference:
         validate_table(self, "table_times", "table_positions")
 
 
-def reference_at(reference: Reference, time: float) -> float:
+def reference_at(reference: ReferenceProfile, time: float) -> float:
     """Return r [m] at `time` [s]; zero before the first step of a table.
 
     Raises
@@ -59,4 +59,4 @@ def reference_at(reference: Reference, time: float) -> float:
     if reference.kind == "table":
         step = bisect_right(reference.table_times, time + _TIME_TOLERANCE)
         return reference.table_positions[step - 1] if step else 0.0
-    raise ValueError("Reference.kind = 'topic': has no value of its own")
+    raise ValueError("ReferenceProfile.kind = 'topic': has no value of its own")

@@ -3,11 +3,11 @@
 import math
 
 from bdt_controller.dead_zone import dead_zone_pid_step
-from bdt_controller.pid import PidState, PidStep
+from bdt_controller.pid import DiscretePid, PidState
 
 
 def limited_pid_step(
-    state: PidState, error: float, tolerance: float, step: PidStep, limit: float
+    state: PidState, error: float, tolerance: float, step: DiscretePid, limit: float
 ) -> tuple[PidState, float]:
     """Advance the dead-zone PID by one control period and limit its voltage.
 
@@ -23,7 +23,7 @@ def limited_pid_step(
         Tracking error e = r - q3 [m].
     tolerance : float
         Dead-zone tolerance epsilon_dz [m]; zero switches the dead zone off.
-    step : PidStep
+    step : DiscretePid
         From :func:`bdt_controller.pid.discretize_pid`.
     limit : float
         Largest voltage of either sign [V]; zero for none.

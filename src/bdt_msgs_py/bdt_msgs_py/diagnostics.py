@@ -15,11 +15,30 @@ PERIOD = 1.0
 
 
 class Health(NamedTuple):
-    """State of a node: well or not, one line, and numbers with their names."""
+    """State of a node.
 
-    well: bool
+    Attributes
+    ----------
+    ok : bool
+        Whether nothing needs attention.
+    summary : str
+        One line.
+    values : mapping
+        Numbers with their names.
+    is_error : bool
+        Whether the machine was stopped: an error, more than a warning.
+    """
+
+    ok: bool
     summary: str
     values: Mapping[str, object]
+    is_error: bool = False
+
+    @property
+    def level(self) -> bytes:
+        """Level of a ``DiagnosticStatus``."""
+        worst = DiagnosticStatus.ERROR if self.is_error else DiagnosticStatus.WARN
+        return bytes(DiagnosticStatus.OK if self.ok else worst)
 
 
 class DiagnosticsPublisher:
@@ -47,12 +66,12 @@ class DiagnosticsPublisher:
 
     def publish(self) -> None:
         """Publish the health now."""
-        well, summary, values = self._report()
+        health = self._report()
         status = DiagnosticStatus(
-            level=DiagnosticStatus.OK if well else DiagnosticStatus.WARN,
+            level=health.level,
             name=self._node.get_fully_qualified_name(),
-            message=summary,
-            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+            message=health.summary,
+            values=[KeyValue(key=key, value=str(value)) for key, value in health.values.items()],
         )
         message = DiagnosticArray(status=[status])
         message.header.stamp = self._node.get_clock().now().to_msg()

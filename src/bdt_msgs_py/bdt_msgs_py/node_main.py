@@ -1,7 +1,7 @@
 """The main function of a node process: arguments, spinning, one-line errors, exit codes."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 import rclpy
@@ -9,8 +9,9 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
-from bdt_msgs_py.exit_codes import BAD_INPUT, FAILED, LoopError
-from bdt_msgs_py.node_parameters import ConfigurationError
+from bdt_msgs_py.command_errors import BAD_INPUT, FAILED, BadInputError, LoopError, complain
+from bdt_msgs_py.node_parameters import ConfigurationError, destroy_on_error
+from bdt_msgs_py.parameter_files import unused_files
 
 NodeType = TypeVar("NodeType", bound=Node)
 
@@ -30,6 +31,8 @@ def run_node(
     create: Callable[[], NodeType],
     args: list[str] | None,
     spin: Callable[[SingleThreadedExecutor, NodeType], None] = spin_until_finished,
+    *,
+    is_configured: bool = True,
 ) -> int:
     """Run one node until it finishes or a signal stops it.
 
@@ -42,6 +45,10 @@ def run_node(
         Command line including ROS arguments; None for ``sys.argv``.
     spin : callable
         Runs the callbacks; gets the executor and the node.
+    is_configured : bool
+        Whether a parameter file without anything for the node is refused: it would run on
+        defaults where somebody meant other values. False for a node that needs none of a loop's
+        parameters, and only says that a file shared with the loop holds nothing for it.
 
     Returns
     -------
@@ -51,18 +58,21 @@ def run_node(
     try:
         rclpy.init(args=args)
     except RuntimeError as error:
-        return _complain(str(error), BAD_INPUT)
+        return complain(error, BAD_INPUT)
     try:
         node = create()
+        _check_parameter_files(node, sys.argv if args is None else args, is_configured)
     except ConfigurationError as error:
         rclpy.try_shutdown()
-        return _complain(str(error), BAD_INPUT)
+        return complain(error, BAD_INPUT)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     try:
         spin(executor, node)
     except LoopError as error:
-        return _complain(str(error), FAILED)
+        return complain(error, FAILED)
+    except BadInputError as error:
+        return complain(error, BAD_INPUT)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except RuntimeError:
@@ -76,6 +86,13 @@ def run_node(
     return 0
 
 
-def _complain(reason: str, code: int) -> int:
-    print("error: " + " ".join(reason.split()), file=sys.stderr)
-    return code
+def _check_parameter_files(node: Node, arguments: Sequence[str], is_configured: bool) -> None:
+    with destroy_on_error(node):
+        try:
+            lines = unused_files(arguments, node.get_fully_qualified_name())
+        except BadInputError as error:
+            raise ConfigurationError(str(error)) from error
+        if lines and is_configured:
+            raise ConfigurationError(lines[0])
+    for line in lines:
+        node.get_logger().warning(line)

@@ -1,6 +1,6 @@
 """Parameter dataclasses as ROS parameters: declared with descriptors, read back, validated."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, TypeVar
@@ -15,12 +15,14 @@ from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.parameter_tables import ParameterTable, full_name
 from bdt_msgs_py.quantities import Quantity, check, quantities_of
 
 Parameters = TypeVar("Parameters")
 
 
-class ConfigurationError(ValueError):
+class ConfigurationError(BadInputError):
     """A parameter that a user can set is unknown, of the wrong type or out of range."""
 
 
@@ -43,21 +45,21 @@ def declare(node: Node, prefix: str, parameters: type[Parameters]) -> Parameters
     """
     values = {}
     for name, default, described in quantities_of(parameters):
-        full_name = f"{prefix}.{name}" if prefix else name
+        parameter = full_name(prefix, name)
         initial = list(default) if isinstance(default, tuple) else default
         try:
             value = node.declare_parameter(
-                full_name, initial, _descriptor(default, described)
+                parameter, initial, _descriptor(default, described)
             ).value
         except ParameterException as error:
-            given = _override(node, full_name)
+            given = _override(node, parameter)
             raise ConfigurationError(
-                f"parameter {full_name} = {given!r}: must be {_type_name(default)}, "
+                f"parameter {parameter} = {given!r}: must be {_type_name(default)}, "
                 f"{described.allowed()}"
             ) from error
         values[name] = tuple(value) if isinstance(default, tuple) else value
         try:
-            check(f"parameter {full_name}", values[name], default, described)
+            check(f"parameter {parameter}", values[name], default, described)
         except ValueError as error:
             raise ConfigurationError(str(error)) from error
     try:
@@ -66,14 +68,14 @@ def declare(node: Node, prefix: str, parameters: type[Parameters]) -> Parameters
         raise ConfigurationError(str(error)) from error
 
 
-def declare_all(node: Node, parameters: Sequence[tuple[str, type[Any]]]) -> list[Any]:
+def declare_all(node: Node, parameters: ParameterTable) -> list[Any]:
     """Declare all parameters of a node and refuse values given for any other name.
 
     Parameters
     ----------
     node : rclpy.node.Node
         Node that gets the parameters.
-    parameters : sequence of (str, type)
+    parameters : ParameterTable
         Prefixes and dataclasses, see :func:`declare`.
 
     Returns
@@ -87,7 +89,7 @@ def declare_all(node: Node, parameters: Sequence[tuple[str, type[Any]]]) -> list
         With one line that names the parameter, the value and what is allowed. rclpy alone would
         ignore a misspelt name.
     """
-    with gone_if_refused(node):
+    with destroy_on_error(node):
         declared = [declare(node, prefix, kind) for prefix, kind in parameters]
         # rclpy has no public way to see the overrides of parameters that were never declared.
         for name, override in node._parameter_overrides.items():
@@ -100,7 +102,7 @@ def declare_all(node: Node, parameters: Sequence[tuple[str, type[Any]]]) -> list
 
 
 @contextmanager
-def gone_if_refused(node: Node) -> Iterator[None]:
+def destroy_on_error(node: Node) -> Iterator[None]:
     """Destroy a node whose configuration is refused within the ``with`` block.
 
     Its constructor raises, so nobody holds it; yet it would stay in the graph for its peers to
@@ -135,8 +137,9 @@ def reconfigured(current: Parameters, prefix: str, changes: list[Parameter]) -> 
     ValueError
         If the result would not be valid.
     """
-    lead = f"{prefix}." if prefix else ""
-    known = {f"{lead}{name}": (name, default) for name, default, _ in quantities_of(current)}
+    known = {
+        full_name(prefix, name): (name, default) for name, default, _ in quantities_of(current)
+    }
     values: dict[str, Any] = {}
     for change in changes:
         if change.name in known:
@@ -150,7 +153,7 @@ def accepted() -> SetParametersResult:
     return SetParametersResult(successful=True)
 
 
-def refused(reason: str) -> SetParametersResult:
+def rejected(reason: str) -> SetParametersResult:
     """Return the answer to an invalid request, with one line that says why."""
     return SetParametersResult(successful=False, reason=reason)
 

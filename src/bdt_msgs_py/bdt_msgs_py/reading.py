@@ -9,11 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_msgs_py.rejection import MessageRejectedError, Reason
 from bdt_msgs_py.topics import MOTOR_JOINT
 
 NANOSECONDS_PER_SECOND = 1_000_000_000
 NEVER = (2**31 - 1) * NANOSECONDS_PER_SECOND
 """Latest whole second that a stamp can hold [ns]."""
+MOST_NAMES = 3
+LONGEST_NAME = 40
+"""What a rejection tells of the names of a message."""
 
 
 def nanoseconds_from_stamp(stamp: Any) -> int:
@@ -33,7 +37,7 @@ def read_position(message: Any, joint: str) -> tuple[int, float]:
 
     Raises
     ------
-    ValueError
+    MessageRejectedError
         If the message does not carry that joint once, with a position for each joint.
     """
     index = _index_of(message, joint, "position")
@@ -45,7 +49,7 @@ def read_voltage(message: Any) -> tuple[int, float]:
 
     Raises
     ------
-    ValueError
+    MessageRejectedError
         If the message does not carry the joint ``motor`` once, with an effort for each joint.
     """
     index = _index_of(message, MOTOR_JOINT, "effort")
@@ -69,20 +73,23 @@ def read_samples(message: Any, columns: Sequence[str]) -> NDArray[np.float64]:
 
     Raises
     ------
-    ValueError
+    MessageRejectedError
         If labels, sizes and data do not agree.
     """
     dimensions = message.layout.dim
     labels = dimensions[1].label if len(dimensions) == 2 else ""
     if labels != ",".join(columns):
-        raise ValueError(f"sample columns {labels!r}: must be {','.join(columns)!r}")
+        raise MessageRejectedError(
+            Reason.LAYOUT, f"sample columns {labels!r}: must be {','.join(columns)!r}"
+        )
     data = np.asarray(message.data, dtype=np.float64)
     width = len(columns)
     offset = int(message.layout.data_offset)
     count = int(dimensions[0].size)
     if int(dimensions[1].size) != width or data.size - offset != count * width:
-        raise ValueError(
-            f"{data.size} values with offset {offset}: must be {count} rows of {width} columns"
+        raise MessageRejectedError(
+            Reason.LAYOUT,
+            f"{data.size} values with offset {offset}: must be {count} rows of {width} columns",
         )
     return data[offset:].reshape(count, width)
 
@@ -92,8 +99,14 @@ def _index_of(message: Any, joint: str, quantity: str) -> int:
     if len(values) == len(names) == 1 and names[0] == joint:
         return 0
     if list(names).count(joint) != 1 or len(values) != len(names):
-        raise ValueError(
-            f"JointState with names {list(names)} and {len(values)} {quantity} values: "
-            f"must have the joint {joint} once and one {quantity} for each joint"
+        raise MessageRejectedError(
+            Reason.LAYOUT,
+            f"JointState with names {_shortened(names)} and {len(values)} {quantity} values: "
+            f"must have the joint {joint} once and one {quantity} for each joint",
         )
     return list(names).index(joint)
+
+
+def _shortened(names: Sequence[str]) -> list[str]:
+    few = [name[:LONGEST_NAME] for name in names[:MOST_NAMES]]
+    return [*few, "..."] if len(names) > MOST_NAMES else few

@@ -47,7 +47,8 @@ COMMAND = Topic(
     "command",
     JOINT_STATE,
     "joint motor, effort = motor voltage u [V], the effort variable of the electrical domain; "
-    "stamp = stamp of the measurement it answers",
+    "stamp = stamp of the measurement it answers; frame_id = who sends it: the plant obeys one "
+    "source at a time",
 )
 REFERENCE = Topic(
     "reference",
@@ -115,6 +116,7 @@ ALL_TOPICS = (
     DIAGNOSTICS,
     PARAMETER_EVENTS,
 )
+"""The public interface; ROS's own topics that the project uses are the last three."""
 
 PLATFORM_JOINT = "platform_3"
 MOTOR_JOINT = "motor"
@@ -137,4 +139,5 @@ TRUTH_COLUMNS = (
 PLANT_NODE = "plant"
 CONTROLLER_NODE = "controller"
 TWIN_NODE = "twin"
+RECORDER_NODE = "recorder"
 DEAD_ZONE_PARAMETER = "dead_zone_tolerance"

@@ -73,7 +73,7 @@ def gap_estimate(
     )
 
 
-def motor_voltage(stamp: int, voltage: float) -> JointState:
+def motor_voltage(stamp: int, voltage: float, source: str = "") -> JointState:
     """Return a command.
 
     The voltage stands in the ``effort`` field: it is the effort variable of the electrical domain.
@@ -84,15 +84,17 @@ def motor_voltage(stamp: int, voltage: float) -> JointState:
         Stamp of the measurement that the command answers [ns].
     voltage : float
         Motor voltage u [V].
+    source : str
+        Who sends it, in ``header.frame_id``: the plant obeys one source at a time.
     """
     return JointState(
-        header=Header(stamp=stamp_from_nanoseconds(stamp)),
+        header=Header(stamp=stamp_from_nanoseconds(stamp), frame_id=source),
         name=[MOTOR_JOINT],
         effort=array("d", (voltage,)),
     )
 
 
-def progress(node: str, telemetry_end: int, acts_at: int | None) -> TimeReference:
+def progress(node: str, telemetry_end: int, earliest_action: int | None) -> TimeReference:
     """Return the word of a node that keeps step with a lockstep plant.
 
     Parameters
@@ -101,13 +103,13 @@ def progress(node: str, telemetry_end: int, acts_at: int | None) -> TimeReferenc
         Name of the node.
     telemetry_end : int
         Stamp of the newest telemetry sample that the node has worked on [ns].
-    acts_at : int or None
+    earliest_action : int or None
         Simulated time before which the node will not act on the loop [ns], whatever telemetry
         is still to come; None for never.
     """
     return TimeReference(
         header=Header(stamp=stamp_from_nanoseconds(telemetry_end)),
-        time_ref=stamp_from_nanoseconds(NEVER if acts_at is None else acts_at),
+        time_ref=stamp_from_nanoseconds(NEVER if earliest_action is None else earliest_action),
         source=node,
     )
 

@@ -53,7 +53,8 @@ def compile_with_steps(
     The steps stay what the nodes run; they and all that they call are made known to numba from
     here. Numba's cache watches the file of the loop only and would go on with the equations of
     yesterday when a step changes. What a closure holds is part of the key, so the loop is a
-    closure that holds a hash of the sources.
+    closure that holds a hash of the sources. The hash is part of its name, too, which names the
+    cache's index: numba would read the classes that an earlier index names before its age.
 
     Parameters
     ----------
@@ -71,7 +72,10 @@ def compile_with_steps(
     """
     if find_spec("numba") is None:
         return build("")
-    return compile_loop(build(source_hash(source_files(steps))), signature())
+    sources = source_hash(source_files(steps) | {inspect.getfile(build)})
+    loop = build(sources)
+    loop.__qualname__ = f"{loop.__qualname__}_{sources[:16]}"
+    return compile_loop(loop, signature())
 
 
 def source_files(steps: Iterable[Callable[..., Any]]) -> frozenset[str]:

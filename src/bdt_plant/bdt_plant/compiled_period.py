@@ -7,11 +7,11 @@ from typing import Any
 from bdt_plant.compilation import compile_with_steps
 from bdt_plant.plant import (
     AT_REST,
+    DiscretePlant,
     FloatArray,
     HoldPeriod,
     PlantModel,
     PlantState,
-    PlantStep,
     discretize_plant,
     hold_period,
 )
@@ -36,7 +36,11 @@ def compiled_hold_period() -> HoldPeriod:
 
 def _period(sources: str) -> HoldPeriod:
     def period(
-        state: PlantState, voltage: float, gaps: FloatArray, step: PlantStep, positions: FloatArray
+        state: PlantState,
+        voltage: float,
+        gaps: FloatArray,
+        step: DiscretePlant,
+        positions: FloatArray,
     ) -> PlantState:
         _ = sources
         return hold_period(state, voltage, gaps, step, positions)

@@ -12,10 +12,11 @@ second order in the sample time. A motor that sticks for a whole sample is advan
 import math
 from typing import NamedTuple
 
-from bdt_plant.motor import SMALLEST_SIGNAL, MotorParameters, MotorState, MotorStep, motor_step
+from bdt_plant.elementary_functions import exponential
+from bdt_plant.motor import SMALLEST_SIGNAL, DiscreteMotor, MotorParameters, MotorState, motor_step
 
 
-class FrictionStep(NamedTuple):
+class DiscreteFriction(NamedTuple):
     """Coulomb friction over one sample.
 
     Attributes
@@ -51,7 +52,7 @@ class FrictionalMotion(NamedTuple):
     driver_voltage: float
 
 
-def discretize_friction(motor: MotorParameters, sample_time: float) -> FrictionStep:
+def discretize_friction(motor: MotorParameters, sample_time: float) -> DiscreteFriction:
     """Return the friction of a motor over one sample.
 
     Parameters
@@ -61,15 +62,15 @@ def discretize_friction(motor: MotorParameters, sample_time: float) -> FrictionS
     sample_time : float
         Sample time [s].
     """
-    return FrictionStep(
+    return DiscreteFriction(
         float(motor.coulomb_friction / motor.torque_constant),
         float(motor.resistance),
-        math.exp(-motor.resistance * sample_time / motor.inductance),
+        float(exponential(-motor.resistance * sample_time / motor.inductance)),
     )
 
 
 def frictional_motor_step(
-    state: MotorState, voltage: float, step: MotorStep, friction: FrictionStep
+    state: MotorState, voltage: float, step: DiscreteMotor, friction: DiscreteFriction
 ) -> FrictionalMotion:
     """Advance a motor with Coulomb friction by one sample with `voltage` [V] held.
 
@@ -79,9 +80,9 @@ def frictional_motor_step(
         Motor at the beginning of the sample.
     voltage : float
         Motor voltage u [V].
-    step : MotorStep
+    step : DiscreteMotor
         From :func:`bdt_plant.motor.discretize_motor`.
-    friction : FrictionStep
+    friction : DiscreteFriction
         From :func:`discretize_friction`; its current is not zero.
     """
     current, speed, angle = state
@@ -130,7 +131,7 @@ def breakaway_friction(begin: float, end: float, limit: float) -> float:
 
 
 def _moved(
-    state: MotorState, voltage: float, held: float, step: MotorStep, friction: FrictionStep
+    state: MotorState, voltage: float, held: float, step: DiscreteMotor, friction: DiscreteFriction
 ) -> FrictionalMotion:
     """Advance the motor with the friction k_T `held` over the whole sample."""
     driver = MotorState(state.current - held, state.speed, state.angle)

@@ -1,12 +1,14 @@
 """Growth of the backlash gap with wear: theta_b as a function of time."""
 
 from dataclasses import dataclass
-from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bdt_msgs_py.quantities import quantity, validate, validate_table
+from bdt_plant.elementary_functions import power
+
+FloatArray = NDArray[np.float64]
 
 KINDS = ("constant", "ramp", "power_law", "table")
 
@@ -46,25 +48,30 @@ class GapProfile:
 
 def gap_at(profile: GapProfile, time: float) -> float:
     """Return the backlash gap theta_b [rad] at `time` [s]."""
-    if profile.kind == "constant":
-        return profile.initial
-    if profile.kind == "table":
-        return float(np.interp(time, profile.table_times, profile.table_gaps))
-    fraction = min(max(time / profile.growth_time, 0.0), 1.0)
-    if profile.kind == "power_law":
-        fraction = fraction**profile.exponent
-    return profile.initial + (profile.final - profile.initial) * fraction
+    return float(gaps_at(profile, np.array([time]))[0])
 
 
-def gaps_at(profile: GapProfile, times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return :func:`gap_at` for times [s] of shape (n,), element by element the same floats."""
+def gaps_at(profile: GapProfile, times: FloatArray) -> FloatArray:
+    """Return the backlash gap theta_b [rad] at times [s] of shape (n,), the same on any computer.
+
+    numpy's own power and interpolation are not: they round as suits the processor.
+    """
     if profile.kind == "constant":
         return np.full(times.size, profile.initial, dtype=np.float64)
     if profile.kind == "table":
-        return np.interp(times, profile.table_times, profile.table_gaps)
+        return _gaps_of_table(profile, times)
     fractions = np.clip(times / profile.growth_time, 0.0, 1.0)
     if profile.kind == "power_law":
-        # numpy's power rounds otherwise than Python's, and on each processor in its own way.
-        powers = map(pow, fractions.tolist(), repeat(profile.exponent))
-        fractions = np.fromiter(powers, np.float64, times.size)
+        fractions = power(fractions, profile.exponent)
     return profile.initial + (profile.final - profile.initial) * fractions
+
+
+def _gaps_of_table(profile: GapProfile, times: FloatArray) -> FloatArray:
+    """Return the gaps of a table, joined by straight lines and constant beyond its ends."""
+    instants = np.array(profile.table_times, dtype=np.float64)
+    gaps = np.array(profile.table_gaps, dtype=np.float64)
+    rows = np.maximum(np.searchsorted(instants, times, side="right") - 1, 0)
+    rises, spans = np.append(np.diff(gaps), 0.0), np.append(np.diff(instants), 1.0)
+    shares = (np.maximum(times, instants[0]) - instants[rows]) / spans[rows]
+    joined: FloatArray = gaps[rows] + rises[rows] * shares
+    return joined

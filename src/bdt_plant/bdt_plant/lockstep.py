@@ -10,6 +10,8 @@ time is then independent of how fast the computers are.
 
 from collections.abc import Iterable
 
+from bdt_msgs_py.rejection import MessageRejectedError, Reason
+
 LEAD = 1_000_000_000
 """Simulated time [ns] by which the plant runs ahead of a follower at most."""
 
@@ -28,7 +30,8 @@ class Followers:
 
     def __init__(self, names: Iterable[str]) -> None:
         self._telemetry_end: dict[str, int] = {name: -1 for name in names if name}
-        self._acts_at: dict[str, int] = dict.fromkeys(self._telemetry_end, 0)
+        self._earliest_action: dict[str, int] = dict.fromkeys(self._telemetry_end, 0)
+        self._heard_at: dict[str, float] = {}
         self._newest_telemetry = 0
         self._lead = 0
 
@@ -42,7 +45,9 @@ class Followers:
         self._lead = 0 if first else min(LEAD, LEAD_BATCHES * (end - self._newest_telemetry))
         self._newest_telemetry = end
 
-    def progress(self, name: str, telemetry_end: int, acts_at: int) -> bool:
+    def progress(
+        self, name: str, telemetry_end: int, earliest_action: int, now: float = 0.0
+    ) -> bool:
         """Take the word of a node.
 
         Parameters
@@ -51,29 +56,51 @@ class Followers:
             Name of the node.
         telemetry_end : int
             Stamp of the newest telemetry sample that it has worked on [ns].
-        acts_at : int
+        earliest_action : int
             Time before which it will not act on the loop, whatever it receives [ns].
+        now : float
+            Wall time [s], of any origin.
 
         Returns
         -------
         bool
             False if no such node is awaited.
+
+        Raises
+        ------
+        MessageRejectedError
+            For telemetry that was not published yet, or less than the node has told before.
         """
         if name not in self._telemetry_end:
             return False
-        self._telemetry_end[name] = telemetry_end
-        self._acts_at[name] = acts_at
+        # A node that saw a run before this one cannot know of this one before its telemetry.
+        end = telemetry_end if self._newest_telemetry else 0
+        before = self._telemetry_end[name]
+        if not before <= end <= self._newest_telemetry:
+            raise MessageRejectedError(
+                Reason.TIME,
+                f"{name} has worked on telemetry until {end / 1e9:.9g} s: must be "
+                f"{max(before, 0) / 1e9:.9g} to {self._newest_telemetry / 1e9:.9g} s",
+            )
+        self._telemetry_end[name] = end
+        self._earliest_action[name] = earliest_action
+        self._heard_at[name] = now
         return True
 
-    def holding(self, time: int) -> list[str]:
+    def silent(self, names: Iterable[str], since: float) -> list[str]:
+        """Return which of the nodes have said nothing since a wall time [s]."""
+        return [name for name in names if self._heard_at.get(name, since) <= since]
+
+    def blocking(self, time: int) -> list[str]:
         """Return the names of the nodes that do not yet let the plant pass `time` [ns]."""
         return [
             name
             for name, telemetry_end in self._telemetry_end.items()
-            if self._acts_at[name] <= time or telemetry_end < self._newest_telemetry - self._lead
+            if self._earliest_action[name] <= time
+            or telemetry_end < self._newest_telemetry - self._lead
         ]
 
-    def behind(self) -> list[str]:
+    def lagging(self) -> list[str]:
         """Return the names of the nodes that have not yet worked on the newest telemetry."""
         return [
             name

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from bdt_msgs_py.quantities import quantity, validate
+from bdt_plant.matrix_exponential import matrix_exponential
 
 SMALLEST_SIGNAL = 1e-30
 """A decaying current [A] or speed [rad/s] below this is zero: subnormal floats are slow."""
@@ -53,7 +53,7 @@ class MotorState(NamedTuple):
     angle: float
 
 
-class MotorStep(NamedTuple):
+class DiscreteMotor(NamedTuple):
     """Rows of the exact one-sample map; each row multiplies (current, speed, voltage).
 
     The row of the angle gives the increment of the angle over the sample.
@@ -89,7 +89,7 @@ def motor_state_space(motor: MotorParameters) -> tuple[NDArray[np.float64], NDAr
     return a, b
 
 
-def discretize_motor(motor: MotorParameters, sample_time: float) -> MotorStep:
+def discretize_motor(motor: MotorParameters, sample_time: float) -> DiscreteMotor:
     """Return the zero-order-hold equivalent of eq. 2, by a matrix exponential.
 
     Parameters
@@ -102,12 +102,12 @@ def discretize_motor(motor: MotorParameters, sample_time: float) -> MotorStep:
     a, b = motor_state_space(motor)
     held = np.zeros((4, 4))
     held[:3, :3], held[:3, 3:] = a, b
-    one_sample = expm(held * sample_time)
+    one_sample = matrix_exponential(held * sample_time)
     rows = [tuple(float(x) for x in one_sample[row, [0, 1, 3]]) for row in range(3)]
-    return MotorStep(*rows)  # type: ignore[arg-type]
+    return DiscreteMotor(*rows)  # type: ignore[arg-type]
 
 
-def motor_step(state: MotorState, voltage: float, step: MotorStep) -> MotorState:
+def motor_step(state: MotorState, voltage: float, step: DiscreteMotor) -> MotorState:
     """Advance the motor without Coulomb friction by one sample with `voltage` [V] held (eq. 2)."""
     current, speed, angle = state
     i_i, i_w, i_u = step.current

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import expm
 
-from bdt_plant.motor import MotorParameters, MotorState, discretize_motor, motor_state_space
+from bdt_plant.matrix_exponential import matrix_exponential
+from bdt_plant.motor import MotorParameters, MotorState, motor_state_space
 from bdt_plant.structure import (
     StructureParameters,
     StructureState,
@@ -16,7 +16,7 @@ from bdt_plant.structure import (
 Column = tuple[float, float, float]
 
 
-class ContactStep(NamedTuple):
+class DiscreteContact(NamedTuple):
     """What the motor's curved path adds to the structure while it drives the screw.
 
     Each row multiplies (current, speed, voltage) at the beginning of the sample.
@@ -30,7 +30,7 @@ class ContactStep(NamedTuple):
 
 def discretize_contact(
     motor: MotorParameters, structure: StructureParameters, pitch: float, sample_time: float
-) -> ContactStep:
+) -> DiscreteContact:
     """Return the exact response to the motor's path less the one to the straight line.
 
     In contact d follows theta_m, whose path within the sample is known from (current, speed,
@@ -55,16 +55,16 @@ def discretize_contact(
     joint[:4, 6] = pitch * b_structure[:, 0]
     joint[:4, 5] = pitch * b_structure[:, 1]
     joint[4:7, 4:7], joint[4:7, 7:] = a_motor, b_motor
-    exact = expm(joint * sample_time)[:4][:, [4, 5, 7]]
+    response = matrix_exponential(joint * sample_time)[:, [4, 5, 7]]
+    exact, angle = response[:4], response[6]
     to_d_after = np.array([row[5] for row in discretize_structure(structure, sample_time)])
-    angle = np.array(discretize_motor(motor, sample_time).angle)
     straight = np.outer(to_d_after, pitch * angle)
     rows = (tuple(float(x) for x in row) for row in exact - straight)
-    return ContactStep(*rows)  # type: ignore[arg-type]
+    return DiscreteContact(*rows)  # type: ignore[arg-type]
 
 
 def add_motor_path(
-    structure: StructureState, motor: MotorState, voltage: float, step: ContactStep
+    structure: StructureState, motor: MotorState, voltage: float, step: DiscreteContact
 ) -> StructureState:
     """Add to the structure what the motor's path differs from a straight line.
 
@@ -76,7 +76,7 @@ def add_motor_path(
         Motor at the beginning of the sample.
     voltage : float
         Motor voltage u [V], held over the sample.
-    step : ContactStep
+    step : DiscreteContact
         From :func:`discretize_contact`.
     """
     current, speed, _ = motor

@@ -3,6 +3,7 @@
 from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.lead_screw import LeadScrewParameters
+from bdt_plant.limits import HardwareLimits
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import Sampling
 from bdt_plant.plant_settings import PlantSettings
@@ -18,5 +19,6 @@ PARAMETERS = (
     ("gap", GapProfile),
     ("actuator", ActuatorParameters),
     ("sensor", SensorParameters),
+    ("limits", HardwareLimits),
 )
 """Prefix and dataclass, in the order in which the node declares them."""

@@ -8,20 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_msgs_py.quantities import quantity, validate
-from bdt_plant.friction import FrictionStep, discretize_friction, frictional_motor_step
+from bdt_plant.friction import DiscreteFriction, discretize_friction, frictional_motor_step
 from bdt_plant.lead_screw import LeadScrewParameters, contact_side, play
 from bdt_plant.motor import (
+    DiscreteMotor,
     MotorParameters,
     MotorState,
-    MotorStep,
     discretize_motor,
     motor_step,
 )
-from bdt_plant.motor_path import ContactStep, add_motor_path, discretize_contact
+from bdt_plant.motor_path import DiscreteContact, add_motor_path, discretize_contact
 from bdt_plant.structure import (
+    DiscreteStructure,
     StructureParameters,
     StructureState,
-    StructureStep,
     discretize_structure,
     structure_step,
 )
@@ -64,14 +64,14 @@ class PlantModel:
     structure: StructureParameters = field(default_factory=StructureParameters)
 
 
-class PlantStep(NamedTuple):
+class DiscretePlant(NamedTuple):
     """Discrete model of the plant for one sample time."""
 
-    motor: MotorStep
-    structure: StructureStep
-    contact: ContactStep
+    motor: DiscreteMotor
+    structure: DiscreteStructure
+    contact: DiscreteContact
     pitch: float
-    friction: FrictionStep
+    friction: DiscreteFriction
 
 
 class PlantState(NamedTuple):
@@ -95,17 +95,17 @@ class PlantState(NamedTuple):
     structure: StructureState
 
 
-HoldPeriod = Callable[[PlantState, float, FloatArray, PlantStep, FloatArray], PlantState]
+HoldPeriod = Callable[[PlantState, float, FloatArray, DiscretePlant, FloatArray], PlantState]
 """Type of :func:`hold_period`."""
 
 AT_REST = PlantState(MotorState(0.0, 0.0, 0.0), 0.0, 0, StructureState(0.0, 0.0, 0.0, 0.0))
 """Everything at zero, the motor in the middle of the gap."""
 
 
-def discretize_plant(model: PlantModel, sample_time: float) -> PlantStep:
+def discretize_plant(model: PlantModel, sample_time: float) -> DiscretePlant:
     """Return the exact discrete model of the plant for `sample_time` [s]."""
     motor, structure, pitch = model.motor, model.structure, model.lead_screw.pitch
-    return PlantStep(
+    return DiscretePlant(
         discretize_motor(motor, sample_time),
         discretize_structure(structure, sample_time),
         discretize_contact(motor, structure, pitch, sample_time),
@@ -114,7 +114,7 @@ def discretize_plant(model: PlantModel, sample_time: float) -> PlantStep:
     )
 
 
-def plant_step(state: PlantState, voltage: float, gap: float, step: PlantStep) -> PlantState:
+def plant_step(state: PlantState, voltage: float, gap: float, step: DiscretePlant) -> PlantState:
     """Advance the plant by one sample (eqs 1, 2, 3 and 6).
 
     Parameters
@@ -125,7 +125,7 @@ def plant_step(state: PlantState, voltage: float, gap: float, step: PlantStep) -
         Motor voltage u [V], held over the sample.
     gap : float
         Backlash gap theta_b [rad] at the end of the sample.
-    step : PlantStep
+    step : DiscretePlant
         From :func:`discretize_plant`.
     """
     # The driver moves the motor's way without friction: the model of the contact knows none.
@@ -147,7 +147,7 @@ def plant_step(state: PlantState, voltage: float, gap: float, step: PlantStep) -
 
 
 def hold_period(
-    state: PlantState, voltage: float, gaps: FloatArray, step: PlantStep, positions: FloatArray
+    state: PlantState, voltage: float, gaps: FloatArray, step: DiscretePlant, positions: FloatArray
 ) -> PlantState:
     """Advance the plant by some samples with one voltage held (eqs 1, 2, 3 and 6).
 
@@ -159,7 +159,7 @@ def hold_period(
         Motor voltage u [V].
     gaps : ndarray, shape (n,)
         Backlash gap theta_b at the end of each sample [rad].
-    step : PlantStep
+    step : DiscretePlant
         From :func:`discretize_plant`.
     positions : ndarray, shape (n,)
         Written: position q3 of platform 3 at the end of each sample [m].

@@ -31,7 +31,8 @@ class PlantSettings:
     command_timeout: float = quantity(
         0.1,
         "s",
-        "realtime: age of the last command beyond which the voltage is 0",
+        "realtime: age of the last command beyond which the voltage is 0; both modes: time without "
+        "an answer after which commands of another source are taken",
         minimum=1e-3,
         maximum=1e3,
     )

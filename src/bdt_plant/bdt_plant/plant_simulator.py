@@ -64,8 +64,9 @@ class PlantSimulator:
         self._step = step._replace(pitch=float(step.pitch))
         self._period = period
         self._periods: list[tuple[FloatArray, FloatArray]] = []
+        self._gap = gap_at(profile, 0.0)
         # Without a gap the motor drives the screw from the very first sample.
-        self.state = AT_REST._replace(contact=contact_side(0.0, 0.0, gap_at(profile, 0.0)))
+        self.state = AT_REST._replace(contact=contact_side(0.0, 0.0, self._gap))
         self.sample = self.saturated_steps = 0
         self._voltage_limit = actuator.limit
         self._sensor = Sensor(sensor, sampling.sampling_rate)
@@ -98,7 +99,7 @@ class PlantSimulator:
             self.time,
             motor.angle,
             theta_d,
-            gap_at(self._profile, self.time),
+            self._gap,
             self._step.pitch * theta_d,
             structure.q2,
             structure.q3,
@@ -123,6 +124,7 @@ class PlantSimulator:
         rows[0, 2], rows[1:, 2] = self._reading, readings[:-1]
         self._reading = float(readings[-1])
         self.sample += gaps.size
+        self._gap = float(gaps[-1])
         return rows
 
     def _next_period(self) -> tuple[FloatArray, FloatArray]:

@@ -1,17 +1,20 @@
 """Angles on both sides of the backlash from voltage and position (eqs 10 and 11), as a stream."""
 
 import math
+from fractions import Fraction
+from operator import mul
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
+from bdt_plant.matrix_exponential import matrix_exponential
 from bdt_plant.motor import discretize_motor
 from bdt_plant.plant import PlantModel
 from bdt_plant.structure import structure_state_space
-from bdt_twin.recursion import AT_REST, coefficients, compiled_recursion
+from bdt_twin.iir_filters import AT_REST, coefficients, compiled_filters
 
+FractionArray = NDArray[np.object_]
 Filter = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
@@ -38,11 +41,12 @@ def motor_filter(model: PlantModel, sample_time: float) -> Filter:
         Coefficients of falling powers of z.
     """
     current, speed, angle = discretize_motor(model.motor, sample_time)
-    a = np.array([(*current[:2], 0.0), (*speed[:2], 0.0), (*angle[:2], 1.0)])
-    b = np.array([current[2:], speed[2:], angle[2:]])
-    angle_of_state = np.array([[0.0, 0.0, 1.0]])
+    a = _exact(np.array([(*current[:2], 0.0), (*speed[:2], 0.0), (*angle[:2], 1.0)]))
+    b = _exact(np.array([current[2:], speed[2:], angle[2:]]))
+    angle_of_state = np.array([[0, 0, 1]])
     denominator = _characteristic_polynomial(a)
-    return _characteristic_polynomial(a - b @ angle_of_state) - denominator, denominator
+    numerator = _characteristic_polynomial(a - b @ angle_of_state) - denominator
+    return _rounded(numerator), _rounded(denominator)
 
 
 def structure_filter(model: PlantModel, sample_time: float) -> Filter:
@@ -56,21 +60,36 @@ def structure_filter(model: PlantModel, sample_time: float) -> Filter:
     numerator, denominator : ndarray
         Coefficients of falling powers of z; the first coefficient of the numerator is zero.
     """
-    a, b = structure_state_space(model.structure)
+    state_matrix, input_matrix = structure_state_space(model.structure)
+    one_sample = _exact(matrix_exponential(state_matrix * sample_time))
+    a, b = _exact(state_matrix), _exact(input_matrix)
     # A unit impulse of d is a position impulse plus a velocity doublet; the latter is a b_v.
-    from_impulse = b[:, 0] + a @ b[:, 1]
-    one_sample = expm(a * sample_time)
-    denominator = _characteristic_polynomial(one_sample)
-    state, response = from_impulse, [0.0]
+    state, response = b[:, 0] + a @ b[:, 1], [Fraction(0)]
     for _ in range(4):
         state = one_sample @ state
-        response.append(sample_time * float(state[2]))
-    numerator: NDArray[np.float64] = np.convolve(response, denominator)[:4]
-    return numerator, denominator
+        response.append(Fraction(sample_time) * state[2])
+    denominator = _characteristic_polynomial(one_sample)
+    numerator = [sum(map(mul, response, denominator[n::-1])) for n in range(4)]
+    return _rounded(np.array(numerator)), _rounded(denominator)
 
 
-def _characteristic_polynomial(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(np.poly(matrix), dtype=np.float64)
+def _exact(numbers: NDArray[np.float64]) -> FractionArray:
+    """Return the same numbers as fractions, with which polynomials lose no digit."""
+    fractions: FractionArray = np.vectorize(Fraction, otypes=[object])(numbers)
+    return fractions
+
+
+def _rounded(fractions: FractionArray) -> NDArray[np.float64]:
+    return fractions.astype(np.float64)
+
+
+def _characteristic_polynomial(matrix: FractionArray) -> FractionArray:
+    """Return det(z - matrix) as coefficients of falling powers of z, by Faddeev and LeVerrier."""
+    identity, product, found = np.eye(len(matrix), dtype=int), matrix, [Fraction(1)]
+    for order in range(1, len(matrix) + 1):
+        found.append(-np.trace(product) / order)
+        product = matrix @ (product + found[-1] * identity)
+    return np.array(found)
 
 
 class AngleObserver:
@@ -109,7 +128,7 @@ class AngleObserver:
                 f"inverse of eq. 11 is unstable (zero at {np.abs(zeros).max():.3g})"
             )
         self._motor, self._inverse = coefficients(*motor), coefficients(*inverse)
-        self._filter = compiled_recursion()
+        self._filter = compiled_filters()
         self.restart()
 
     @property

@@ -1,9 +1,15 @@
 """Residual of a fit as means over blocks of samples, without the samples that are outliers."""
 
 from collections.abc import Sequence
+from functools import cache
+from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
+
+from bdt_plant.compilation import GIVEN, WRITTEN, compile_loop
+from bdt_twin.fixed_order import dot, mean, product
 
 FloatArray = NDArray[np.float64]
 
@@ -30,7 +36,8 @@ class BlockResidual:
     """
 
     def __init__(self, positions: Sequence[FloatArray], block: int) -> None:
-        self._positions, self._block = positions, block
+        self._positions = [np.ascontiguousarray(position) for position in positions]
+        self._block = block
         self._good: list[FloatArray] | None = None
 
     def means(self, simulated: Sequence[FloatArray]) -> FloatArray:
@@ -41,22 +48,18 @@ class BlockResidual:
         simulated : sequence of ndarray, each of shape (n,)
             Simulated position of each stretch [m].
         """
-        residuals = [
-            (measured - model).reshape(-1, self._block)
-            for measured, model in zip(self._positions, simulated, strict=True)
-        ]
+        pairs = list(zip(self._positions, simulated, strict=True))
         if self._good is None:
-            self._good = [good_samples(residual) for residual in residuals]
-            self._share = 1.0 / np.concatenate([good.sum(axis=1) for good in self._good])
-        sums = [
-            np.einsum("ij,ij->i", residual, good)
-            for residual, good in zip(residuals, self._good, strict=True)
-        ]
-        means: FloatArray = np.concatenate(sums) * self._share
-        return means
+            self._good = [
+                inliers((measured - model).reshape(-1, self._block)) for measured, model in pairs
+            ]
+        means = [np.empty(len(good)) for good in self._good]
+        for (measured, model), good, found in zip(pairs, self._good, means, strict=True):
+            compiled_means()(measured, model, good, found)
+        return np.concatenate(means)
 
 
-def good_samples(residual: FloatArray) -> FloatArray:
+def inliers(residual: FloatArray) -> FloatArray:
     """Return one for each sample to use and zero for each outlier; half a block is good at least.
 
     Parameters
@@ -69,7 +72,7 @@ def good_samples(residual: FloatArray) -> FloatArray:
     distance = np.abs(residual - _medians(residual))
     spread = _medians(distance)
     # Where the platform rests, a coarse sensor shows no spread at all.
-    allowed = OUTLIER * np.maximum(spread, spread.mean())
+    allowed = OUTLIER * np.maximum(spread, mean(spread[:, 0]))
     good: FloatArray = (distance <= allowed + np.finfo(np.float64).eps).astype(np.float64)
     return good
 
@@ -83,7 +86,7 @@ def _medians(values: FloatArray) -> FloatArray:
     return medians
 
 
-def correlated_blocks(residual: FloatArray, rate: float) -> float:
+def variance_inflation(residual: FloatArray, rate: float) -> float:
     """Return by how many times the variance of a mean exceeds that of white noise, at least one.
 
     The sum of the autocorrelation with Bartlett's weights (Newey and West, 1987): what is slow in
@@ -97,10 +100,29 @@ def correlated_blocks(residual: FloatArray, rate: float) -> float:
         Blocks in a second [Hz].
     """
     longest = min(round(LONGEST_CORRELATION * rate), residual.size // 4)
-    size = 1 << (2 * residual.size - 1).bit_length()
-    spectrum = np.abs(np.fft.rfft(residual, size)) ** 2
-    covariance = np.fft.irfft(spectrum, size)[: longest + 1]
+    delayed = sliding_window_view(np.concatenate([residual, np.zeros(longest)]), residual.size)
+    covariance = product(delayed, residual)
     if covariance[0] <= 0:
         return 1.0
     weights = 1.0 - np.arange(1, longest + 1) / (longest + 1)
-    return max(1.0, 1.0 + 2.0 * float(weights @ covariance[1:]) / float(covariance[0]))
+    return max(1.0, 1.0 + 2.0 * dot(weights, covariance[1:]) / float(covariance[0]))
+
+
+@cache
+def compiled_means() -> Any:
+    """Return the loop over the samples of :meth:`BlockResidual.means`, compiled."""
+    matrix = "Array(float64, 2, 'C', readonly=True)"
+    return compile_loop(_mean_residuals, f"void({GIVEN}, {GIVEN}, {matrix}, {WRITTEN})")
+
+
+def _mean_residuals(
+    measured: FloatArray, simulated: FloatArray, good: FloatArray, means: FloatArray
+) -> None:
+    samples = good.shape[1]
+    for block in range(means.size):
+        total, count = 0.0, 0.0
+        for sample in range(samples):
+            k = block * samples + sample
+            total += (measured[k] - simulated[k]) * good[block, sample]
+            count += good[block, sample]
+        means[block] = total / count

@@ -18,9 +18,9 @@ class ContactSums(NamedTuple):
     Attributes
     ----------
     forward, backward : int
-        Numbers of samples with the screw moving forward (t_+) and backward (t_-).
+        Numbers of samples with the screw moving forward (``t_+``) and backward (``t_-``).
     ceiled, floored : int
-        Sums of the rounded angle differences over t_+ and t_-.
+        Sums of the rounded angle differences over ``t_+`` and ``t_-``.
     """
 
     forward: int

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_twin.fixed_order import weighted_products
 from bdt_twin.window_model import Unknowns, WindowModel
 
 FloatArray = NDArray[np.float64]
@@ -13,12 +14,12 @@ SMALLEST_SHARE = 1e-9
 """Share of the gap's information below which what is left beside the others is rounding."""
 
 
-def information_of(slopes: FloatArray, weights: FloatArray) -> FloatArray:
+def fisher_information(jacobian: FloatArray, weights: FloatArray) -> FloatArray:
     """Return the Fisher information of the unknowns from independent normal measurements.
 
     Parameters
     ----------
-    slopes : ndarray, shape (unknowns, measurements)
+    jacobian : ndarray, shape (unknowns, measurements)
         Slopes of the measurements.
     weights : ndarray, shape (measurements,)
         Inverse variances.
@@ -27,18 +28,7 @@ def information_of(slopes: FloatArray, weights: FloatArray) -> FloatArray:
     -------
     ndarray, shape (unknowns, unknowns)
     """
-    # Most unknowns act from some time in the window on, so they are sorted by it: what a pair has
-    # in common begins where the later one does.
-    begins = (slopes != 0.0).argmax(axis=1)
-    order = np.argsort(begins, kind="stable")
-    ordered = slopes[order]
-    information: FloatArray = np.empty((order.size, order.size))
-    for row, (number, begin) in enumerate(zip(order, begins[order], strict=True)):
-        earlier, weighted = ordered[: row + 1, begin:], ordered[row, begin:] * weights[begin:]
-        # BLAS would wake threads, which on a busy computer wait for each other most of the time.
-        shared = np.einsum("jk,k->j", earlier, weighted)
-        information[number, order[: row + 1]] = information[order[: row + 1], number] = shared
-    return information
+    return weighted_products(jacobian, weights)
 
 
 def cramer_rao_bound(window: WindowModel, unknowns: Unknowns, time: float, noise: float) -> float:
@@ -68,13 +58,13 @@ def cramer_rao_bound(window: WindowModel, unknowns: Unknowns, time: float, noise
     ----------
     S. M. Kay, Fundamentals of Statistical Signal Processing: Estimation Theory, section 3.9.
     """
-    slopes = window.slopes(unknowns, window.run(unknowns))
+    jacobian = window.jacobian(unknowns, window.simulate(unknowns))
     knots = window.knots.size
     # Gap and growth move all knots.
     even = np.stack([np.ones(knots), window.knots - time])
-    reduced = np.vstack([even @ slopes[:knots], slopes[knots:]])
-    weights = np.full(slopes.shape[1], window.block / noise**2)
-    information = information_of(reduced, weights)
+    reduced = np.vstack([even @ jacobian[:knots], jacobian[knots:]])
+    weights = np.full(jacobian.shape[1], window.block / noise**2)
+    information = fisher_information(reduced, weights)
     scale = np.sqrt(np.diag(information))
     if scale[0] == 0.0:
         return math.inf

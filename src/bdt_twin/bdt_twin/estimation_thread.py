@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_twin.estimator import Estimate, Estimator, TelemetryRejectedError
+from bdt_twin.user_estimator import UserEstimatorError
 
-PATIENCE = 5.0
+LARGEST_BACKLOG = 5.0
 """Telemetry that may wait [s] before the estimator takes all of it in one go.
 
 Well above what a plant in lockstep runs ahead, whose results may not depend on the computer.
@@ -31,8 +32,12 @@ class Outcome(NamedTuple):
         The estimate that became due.
     fault : str
         Why the estimator rejected the batch; empty if it did not.
+    error : str
+        How somebody's estimator failed, with its file and line; empty if it did not.
+    is_hole : bool
+        True for what stands for a batch of no use, which was rejected before.
     begins : bool
-        True if time went back, so that this is another run.
+        True if this is another run.
     seconds : float
         Wall time that it took [s].
     """
@@ -41,8 +46,16 @@ class Outcome(NamedTuple):
     samples: int
     estimate: Estimate | None
     fault: str
+    error: str
+    is_hole: bool
     begins: bool
     seconds: float
+
+
+class _Batch(NamedTuple):
+    rows: NDArray[np.float64]
+    is_hole: bool
+    begins: bool
 
 
 class EstimationThread:
@@ -59,7 +72,7 @@ class EstimationThread:
     def __init__(self, estimator: Estimator, notify: Callable[[], object]) -> None:
         self._estimator = estimator
         self._notify = notify
-        self._waiting: deque[NDArray[np.float64]] = deque()
+        self._waiting: deque[_Batch] = deque()
         self._outcomes: deque[Outcome] = deque()
         self._last_time = -np.inf
         self._failure: BaseException | None = None
@@ -68,8 +81,25 @@ class EstimationThread:
         self._thread = threading.Thread(target=self._run, name="estimation", daemon=True)
         self._thread.start()
 
-    def put(self, batch: NDArray[np.float64]) -> None:
-        """Hand over telemetry rows (t [s], u [V], q3 [m]), shape (n, 3), with n at least 1."""
+    def put(self, batch: NDArray[np.float64], *, begins: bool = False) -> None:
+        """Hand over the next batch.
+
+        Parameters
+        ----------
+        batch : ndarray, shape (n, 3)
+            Telemetry rows (t [s], u [V], q3 [m]), n at least 1.
+        begins : bool
+            Whether another run begins with it, so that the estimator forgets everything.
+        """
+        self._put(_Batch(batch, is_hole=False, begins=begins))
+
+    def put_hole(self, batch: NDArray[np.float64]) -> None:
+        """Hand over a batch of which the times alone are known, so that estimators go across it."""
+        rows = np.full(batch.shape, np.nan)
+        rows[:, 0] = batch[:, 0]
+        self._put(_Batch(rows, is_hole=True, begins=False))
+
+    def _put(self, batch: _Batch) -> None:
         with self._changed:
             self._waiting.append(batch)
             self._changed.notify()
@@ -77,7 +107,7 @@ class EstimationThread:
     def outcomes(self) -> list[Outcome]:
         """Return what came of the batches since the last call, in their order.
 
-        Raises whatever the estimator raised that was not about its data.
+        Raises whatever an estimator of this package raised that was not about its data.
         """
         with self._changed:
             if self._failure is not None:
@@ -106,35 +136,46 @@ class EstimationThread:
                 self._failure = error
             self._notify()
 
-    def _next(self) -> list[NDArray[np.float64]] | None:
-        """Wait for telemetry: the oldest batch, or all of them when they have waited too long."""
+    def _next(self) -> list[_Batch] | None:
+        """Wait for telemetry: the oldest batch, or those of one kind that have waited too long."""
         with self._changed:
             self._changed.wait_for(lambda: self._waiting or self._ended)
             if self._ended:
                 return None
-            late = self._waiting[-1][-1, 0] - self._waiting[0][0, 0] > PATIENCE
-            batches = list(self._waiting) if late else [self._waiting.popleft()]
-            if late:
-                self._waiting.clear()
+            late = self._waiting[-1].rows[-1, 0] - self._waiting[0].rows[0, 0] > LARGEST_BACKLOG
+            batches = [self._waiting.popleft()]
+            while late and self._waiting and not _is_bound(batches[0], self._waiting[0]):
+                batches.append(self._waiting.popleft())
             return batches
 
-    def _work_on(self, batches: list[NDArray[np.float64]]) -> Outcome:
+    def _work_on(self, batches: list[_Batch]) -> Outcome:
         began = time.perf_counter()
-        rows = batches[0] if len(batches) == 1 else np.concatenate(batches)
-        # False for a time that is not a number, which the estimator rejects.
-        begins = bool(rows[0, 0] < self._last_time)
-        estimate, fault = None, ""
+        first, newest = batches[0], batches[-1]
+        rows = first.rows if len(batches) == 1 else np.concatenate([one.rows for one in batches])
+        begins = first.begins or bool(rows[0, 0] < self._last_time)
+        if first.begins:
+            self._estimator.restart()
+        estimate, fault, failure = None, "", ""
         try:
             estimate = self._estimator.update(rows, newest_only=len(batches) > 1)
         except TelemetryRejectedError as error:
             fault = str(error)
+        except UserEstimatorError as error:
+            failure = str(error)
         if np.isfinite(rows[-1, 0]):
             self._last_time = float(rows[-1, 0])
         return Outcome(
             self._last_time,
-            len(batches[-1]),
+            len(newest.rows),
             estimate,
             fault,
+            failure,
+            first.is_hole,
             begins,
             time.perf_counter() - began,
         )
+
+
+def _is_bound(first: _Batch, following: _Batch) -> bool:
+    """Tell whether two batches cannot be worked on together."""
+    return first.is_hole or following.is_hole or following.begins

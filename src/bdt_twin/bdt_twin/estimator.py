@@ -83,3 +83,17 @@ class Estimator(Protocol):
             For a batch that is of no use: empty, not finite, or going back in time. What the
             estimator needs to do about it (restart, or go on across the hole) it has done.
         """
+
+
+def estimate_values(estimate: Estimate | None) -> dict[str, float | int | str | None]:
+    """Return an estimate as the diagnostics tell it, by name."""
+    if estimate is None:
+        return {"gap_estimate_rad": None}
+    return {
+        "gap_estimate_rad": estimate.gap,
+        "gap_uncertainty_rad": estimate.uncertainty,
+        "gap_growth_rad_per_s": estimate.growth,
+        "gain_correction": estimate.gain_correction,
+        "reversals": estimate.reversals,
+        "nothing_learned_because": estimate.reason,
+    }

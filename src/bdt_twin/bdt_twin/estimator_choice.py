@@ -1,7 +1,6 @@
 """Which estimator the twin uses: one of this package's, or anybody's by the name of its file."""
 
 from dataclasses import dataclass
-from importlib import import_module
 
 from bdt_msgs_py.quantities import quantity, validate
 from bdt_plant.plant import PlantModel
@@ -9,6 +8,7 @@ from bdt_twin.estimator import Estimator
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
+from bdt_twin.user_estimator import UserEstimator, UserEstimatorError
 
 KINDS = ("inverse_filter", "output_error")
 
@@ -21,7 +21,7 @@ class EstimatorChoice:
         "inverse_filter",
         "",
         "inverse_filter (the paper's, for signals without noise), output_error (fits the model to "
-        "measured ones), or module:name of a function (model, sampling rate) -> estimator",
+        "measured ones), or module:name of a class with restart() and update(batch)",
     )
 
     def __post_init__(self) -> None:
@@ -56,16 +56,13 @@ def create_estimator(
     Raises
     ------
     ValueError
-        If there is no such module or function, with one line that says which.
+        If there is no such module or class, or if it fails, with one line that says where.
     """
     if choice.kind == "inverse_filter":
         return InverseFilterEstimator(model, inverse_filter)
     if choice.kind == "output_error":
         return OutputErrorEstimator(model, output_error, inverse_filter.sampling_rate)
-    module, _, name = choice.kind.partition(":")
     try:
-        factory = getattr(import_module(module), name)
-    except (ImportError, AttributeError) as error:
+        return UserEstimator(choice.kind, model, inverse_filter.sampling_rate)
+    except UserEstimatorError as error:
         raise ValueError(f"estimator.kind = {choice.kind!r}: {error}") from error
-    estimator: Estimator = factory(model, inverse_filter.sampling_rate)
-    return estimator

@@ -14,10 +14,17 @@ from numpy.typing import NDArray
 
 from bdt_plant.compilation import compile_with_steps
 from bdt_plant.motor import MotorState
-from bdt_plant.plant import AT_REST, PlantModel, PlantState, PlantStep, discretize_plant, plant_step
+from bdt_plant.plant import (
+    AT_REST,
+    DiscretePlant,
+    PlantModel,
+    PlantState,
+    discretize_plant,
+    plant_step,
+)
 from bdt_plant.structure import (
+    DiscreteStructure,
     StructureState,
-    StructureStep,
     structure_step,
 )
 
@@ -30,7 +37,7 @@ MOST_REVERSALS = 1000
 """Reversals noted in a window; of more, the newest are."""
 
 
-class WindowRun(NamedTuple):
+class StretchResponse(NamedTuple):
     """What a simulation of one stretch of data gives.
 
     Attributes
@@ -45,7 +52,7 @@ class WindowRun(NamedTuple):
         Mean angle of the motor at the last contact [rad].
     sample : ndarray, shape (blocks,)
         Mean index of the sample of the last contact.
-    lag : ndarray, shape (n,)
+    relative_angle : ndarray, shape (n,)
         Angle of the motor less that of the screw [rad].
     reversals : list of int
         Samples at which the screw began to move the other way.
@@ -58,19 +65,19 @@ class WindowRun(NamedTuple):
     side: FloatArray
     motor: FloatArray
     sample: FloatArray
-    lag: FloatArray
+    relative_angle: FloatArray
     reversals: list[int]
     travel: float
 
 
-def run_window(
-    step: PlantStep, state: PlantState, voltage: FloatArray, gaps: FloatArray, block: int
-) -> WindowRun:
+def simulate_stretch(
+    step: DiscretePlant, state: PlantState, voltage: FloatArray, gaps: FloatArray, block: int
+) -> StretchResponse:
     """Simulate the plant over one stretch of data (eqs 1, 2, 3 and 6).
 
     Parameters
     ----------
-    step : PlantStep
+    step : DiscretePlant
         Discrete model of the plant.
     state : PlantState
         State at the first sample.
@@ -82,7 +89,7 @@ def run_window(
         Samples in a block.
     """
     count = voltage.size // block
-    position, lag = np.empty(voltage.size), np.empty(voltage.size)
+    position, relative_angle = np.empty(voltage.size), np.empty(voltage.size)
     screw, side, motor, sample = np.zeros((4, count))
     reversals = np.zeros(MOST_REVERSALS, dtype=np.int64)
     found, travel = compiled_window()(
@@ -93,7 +100,7 @@ def run_window(
         block,
         SMALLEST_TRAVEL,
         position,
-        lag,
+        relative_angle,
         screw,
         side,
         motor,
@@ -102,15 +109,17 @@ def run_window(
     )
     order = range(max(found - MOST_REVERSALS, 0), found)
     noted = [int(reversals[n % MOST_REVERSALS]) for n in order]
-    return WindowRun(position, screw, side, motor, sample, lag, noted, travel)
+    return StretchResponse(position, screw, side, motor, sample, relative_angle, noted, travel)
 
 
-def run_structure(step: StructureStep, state: StructureState, base: FloatArray) -> FloatArray:
+def simulate_structure(
+    step: DiscreteStructure, state: StructureState, base: FloatArray
+) -> FloatArray:
     """Return position q3 of platform 3 for a base that moves as given (eq. 3).
 
     Parameters
     ----------
-    step : StructureStep
+    step : DiscreteStructure
         Discrete model for the spacing of `base`.
     state : StructureState
         State at the first instant.
@@ -122,21 +131,23 @@ def run_structure(step: StructureStep, state: StructureState, base: FloatArray) 
     return position
 
 
-def initial_state(structure: StructureState, lag: float, voltage: float, back_emf: float) -> Any:
+def initial_state(
+    structure: StructureState, relative_angle: float, voltage: float, back_emf: float
+) -> Any:
     """Return the state of a plant whose screw is at the angle zero.
 
     Parameters
     ----------
     structure : StructureState
         State of the structure.
-    lag : float
+    relative_angle : float
         Angle of the motor less that of the screw [rad].
     voltage : float
         First voltage [V]: the motor settles within milliseconds, so it runs at the speed for it.
     back_emf : float
         Back-EMF constant k_B [V s/rad].
     """
-    motor = MotorState(0.0, voltage / back_emf, lag)
+    motor = MotorState(0.0, voltage / back_emf, relative_angle)
     return PlantState(motor, 0.0, 0, structure)
 
 
@@ -166,7 +177,7 @@ def compiled_window() -> Any:
 
 @cache
 def compiled_structure() -> Any:
-    """Return the loop over the instants of :func:`run_structure`, compiled."""
+    """Return the loop over the instants of :func:`simulate_structure`, compiled."""
 
     def signature() -> Any:
         # Imported here, because it is absent on many a small computer.
@@ -179,20 +190,20 @@ def compiled_structure() -> Any:
     return compile_with_steps(_structure_loop, [structure_step], signature)
 
 
-def _model_step() -> PlantStep:
+def _model_step() -> DiscretePlant:
     return discretize_plant(PlantModel(), 2e-4)
 
 
 def _window_loop(sources: str) -> Any:
     def window_loop(
-        step: PlantStep,
+        step: DiscretePlant,
         state: PlantState,
         voltage: FloatArray,
         gaps: FloatArray,
         block: int,
         smallest_travel: float,
         position: FloatArray,
-        lag: FloatArray,
+        relative_angle: FloatArray,
         screw: FloatArray,
         side: FloatArray,
         motor: FloatArray,
@@ -226,7 +237,7 @@ def _window_loop(sources: str) -> Any:
                         direction, extreme = -direction, angle
             before = angle
             position[k] = state.structure.q3
-            lag[k] = state.motor.angle - angle
+            relative_angle[k] = state.motor.angle - angle
             number = k // block
             screw[number] += share * angle
             side[number] += share * last_side
@@ -239,7 +250,7 @@ def _window_loop(sources: str) -> Any:
 
 def _structure_loop(sources: str) -> Any:
     def structure_loop(
-        step: StructureStep, state: StructureState, base: FloatArray, position: FloatArray
+        step: DiscreteStructure, state: StructureState, base: FloatArray, position: FloatArray
     ) -> None:
         _ = sources
         for k in range(base.size):

@@ -14,7 +14,7 @@ from bdt_twin.contact import NO_CONTACT, ContactSums, compiled_sums, contact_sum
 from bdt_twin.estimator import Estimate
 from bdt_twin.telemetry_stream import TelemetryStream
 
-STRETCH = 16_384
+SAMPLES_AT_A_TIME = 16_384
 """Samples worked on at a time: all arrays on the way then stay in the processor's cache."""
 
 
@@ -65,7 +65,7 @@ class InverseFilterSettings:
             )
 
 
-class GapEstimate(NamedTuple):
+class WindowEstimate(NamedTuple):
     """One estimate of the backlash gap.
 
     Attributes
@@ -157,7 +157,7 @@ class InverseFilterEstimator:
 
     def estimates(
         self, voltage: NDArray[np.float64], position: NDArray[np.float64]
-    ) -> list[GapEstimate]:
+    ) -> list[WindowEstimate]:
         """Take samples that continue those before and return every estimate that became due.
 
         Parameters
@@ -167,16 +167,18 @@ class InverseFilterEstimator:
 
         Returns
         -------
-        list of GapEstimate
+        list of WindowEstimate
             One for each update period that ended within the batch, in which the screw moved and
             whose window holds both directions; often empty.
         """
-        stretches = [slice(n, n + STRETCH) for n in range(0, voltage.size, STRETCH)]
+        stretches = [
+            slice(n, n + SAMPLES_AT_A_TIME) for n in range(0, voltage.size, SAMPLES_AT_A_TIME)
+        ]
         return [found for s in stretches for found in self._take(voltage[s], position[s])]
 
     def _take(
         self, voltage: NDArray[np.float64], position: NDArray[np.float64]
-    ) -> list[GapEstimate]:
+    ) -> list[WindowEstimate]:
         angles = self._observer.update(voltage, position)
         skipped = min(self._to_skip, voltage.size)
         self._to_skip -= skipped
@@ -201,7 +203,7 @@ class InverseFilterEstimator:
             gap = gap_from_sums(sums, self._settings.rounding)
             if gap is not None and (block.forward or block.backward):
                 newest = self._next_sample + (number + 1) * self._block
-                estimates.append(GapEstimate(newest, gap, sums.forward, sums.backward))
+                estimates.append(WindowEstimate(newest, gap, sums.forward, sums.backward))
         self._theta_m, self._theta_d = self._theta_m[used:], self._theta_d[used:]
         self._next_sample += used
         return estimates

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bdt_msgs_py.quantities import quantity, validate
+from bdt_plant.elementary_functions import exponential
 
 DISTRIBUTIONS = ("fixed", "uniform", "log_normal", "table")
 
@@ -79,7 +80,7 @@ def delays(settings: LinkSettings) -> Iterator[float]:
         if settings.delay_distribution == "uniform":
             yield typical * (1.0 + spread * generator.uniform(-1.0, 1.0))
         elif settings.delay_distribution == "log_normal":
-            yield typical * math.exp(spread * generator.standard_normal())
+            yield typical * float(exponential(spread * generator.standard_normal()))
         else:
             yield typical
 
@@ -87,7 +88,7 @@ def delays(settings: LinkSettings) -> Iterator[float]:
 def expected_delay(settings: LinkSettings) -> float:
     """Return the delay that whoever sends has to reckon with [s]."""
     if settings.delay_distribution == "table":
-        return sum(settings.delay_table) / len(settings.delay_table)
+        return math.fsum(settings.delay_table) / len(settings.delay_table)
     return settings.communication_delay
 
 
@@ -134,6 +135,7 @@ class DelayedLink:
         self._draws = np.random.default_rng((settings.link_seed, 1))
         self._pending: list[Reconfiguration] = []
         self._newest: int | None = None
+        self._in_force: float | None = None
         self.lost = self.overtaken = 0
 
     @property
@@ -157,6 +159,24 @@ class DelayedLink:
         heapq.heappush(self._pending, Reconfiguration(due, estimated, tolerance))
         return due
 
+    def send_again(self, now: int) -> int | None:
+        """Send what was delivered last, as whoever had it has lost it.
+
+        Parameters
+        ----------
+        now : int
+            Time of sending [ns].
+
+        Returns
+        -------
+        int or None
+            When it arrives [ns]; None if it gets lost, or nothing has been delivered.
+        """
+        if self._in_force is None or self._newest is None:
+            return None
+        # Newer than what was delivered, older than whatever is learned from more telemetry.
+        return self.send(now, self._newest + 1, self._in_force)
+
     def deliver(self, now: int) -> Reconfiguration | None:
         """Return the newest of what has arrived at `now` [ns] and forget the older ones.
 
@@ -167,6 +187,7 @@ class DelayedLink:
             arrived = heapq.heappop(self._pending)
             if self._newest is None or arrived.estimated > self._newest:
                 delivered, self._newest = arrived, arrived.estimated
+                self._in_force = arrived.tolerance
             else:
                 self.overtaken += 1
         return delivered
@@ -193,10 +214,10 @@ class DelayedLink:
             best = min(best, ended + self._delay_of(number))
         return end + min(best, LOOKAHEAD * batch)
 
-    def drop(self) -> None:
+    def restart(self) -> None:
         """Forget everything that is on its way and what was delivered."""
         self._pending.clear()
-        self._newest = None
+        self._newest = self._in_force = None
 
     def _delay_of(self, number: int) -> int:
         """Return the delay [ns] of a message to come, 0 being the next one."""

@@ -1,20 +1,21 @@
 """The twin's model with factors on the constants that a fit corrects, discrete and remembered.
 
 A fit asks for a slightly different model at each of its steps, but making one discrete takes as
-long as simulating seconds of it: matrix exponentials wake the threads of BLAS. So models are made
-on a grid of factors, remembered, and interpolated.
+long as simulating seconds of it. So models are made on a grid of factors, remembered, and
+interpolated.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.plant import PlantModel, PlantStep, discretize_plant
-from bdt_plant.structure import StructureStep, discretize_structure
+from bdt_plant.elementary_functions import exponential
+from bdt_plant.plant import DiscretePlant, PlantModel, discretize_plant
+from bdt_plant.structure import DiscreteStructure, discretize_structure
 
 FloatArray = NDArray[np.float64]
 Point = tuple[int, ...]
@@ -28,7 +29,7 @@ FACTOR_GRID = 2e-2
 
 def model_with(model: PlantModel, factors: FloatArray) -> PlantModel:
     """Return the model for natural logarithms of ``FACTORS``, shape (3,)."""
-    gain, stiffness, damping = np.exp(factors).tolist()
+    gain, stiffness, damping = exponential(factors).tolist()
     motor, structure = model.motor, model.structure
     return replace(
         model,
@@ -41,7 +42,7 @@ def model_with(model: PlantModel, factors: FloatArray) -> PlantModel:
     )
 
 
-def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) -> PlantStep:
+def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) -> DiscretePlant:
     """Return the discrete model of the plant with its factors, interpolated.
 
     Parameters
@@ -59,7 +60,7 @@ def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) 
     origin = _plant_at(model, (0,) * len(FACTORS), sample_time)
     return origin._replace(
         motor=type(origin.motor)(*_rows(motor, 3)),
-        structure=StructureStep(*_rows(structure, 4)),
+        structure=DiscreteStructure(*_rows(structure, 4)),
         contact=type(origin.contact)(*_rows(contact, 4)),
         pitch=float(origin.pitch),
     )
@@ -67,7 +68,7 @@ def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) 
 
 def block_model_with(
     model: PlantModel, factors: FloatArray, sample_time: float, block: int
-) -> tuple[FloatArray, StructureStep]:
+) -> tuple[FloatArray, DiscreteStructure]:
     """Return the structure's model from one block of samples to the next, interpolated.
 
     Parameters
@@ -85,7 +86,7 @@ def block_model_with(
     -------
     start : ndarray, shape (4, 4)
         Map from a state to its mean over the block that begins with it.
-    step : StructureStep
+    step : DiscreteStructure
         Discrete model whose sample is a block.
     """
     # The motor's gain has no part in it.
@@ -93,7 +94,7 @@ def block_model_with(
     numbers = _interpolated(
         lambda point: _block_numbers(model, point, sample_time, block), of_structure
     )
-    return numbers[:16].reshape(4, 4), StructureStep(*_rows(numbers[16:], 4))
+    return numbers[:16].reshape(4, 4), DiscreteStructure(*_rows(numbers[16:], 4))
 
 
 def _interpolated(make: Callable[[Point], FloatArray], factors: FloatArray) -> FloatArray:
@@ -112,12 +113,13 @@ def _interpolated(make: Callable[[Point], FloatArray], factors: FloatArray) -> F
                 make(tuple((point + side).tolist())),
                 make(tuple((point - side).tolist())),
             )
-            numbers += 0.5 * off * (ahead - behind) + 0.5 * off**2 * (ahead - 2 * middle + behind)
+            numbers += 0.5 * off * (ahead - behind)
+            numbers += 0.5 * off * off * (ahead - 2 * middle + behind)
     return numbers
 
 
 @lru_cache(maxsize=1024)
-def _plant_at(model: PlantModel, point: Point, sample_time: float) -> PlantStep:
+def _plant_at(model: PlantModel, point: Point, sample_time: float) -> DiscretePlant:
     """Return the discrete plant at a point of the grid."""
     return discretize_plant(model_with(model, FACTOR_GRID * np.array(point)), sample_time)
 
@@ -138,7 +140,8 @@ def _block_numbers(model: PlantModel, point: Point, sample_time: float, block: i
     power, total = np.eye(4), np.zeros((4, 4))
     for _ in range(block):
         total += power
-        power = one_sample @ power
+        # In this order, which a library's product keeps on some processors only.
+        power = reduce(np.add, [one_sample[:, k, None] * power[k] for k in range(4)])
     step = discretize_structure(structure, block * sample_time)
     return np.concatenate([(total / block).ravel(), np.array(step).ravel()])
 

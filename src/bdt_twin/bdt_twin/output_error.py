@@ -11,27 +11,30 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_plant.elementary_functions import exponential
 from bdt_plant.plant import PlantModel
+from bdt_twin.block_residual import compiled_means
 from bdt_twin.estimator import Estimate
+from bdt_twin.fixed_order import COMPILED, dot, product, standard_deviation
 from bdt_twin.forward_model import SMALLEST_TRAVEL, compiled_structure, compiled_window
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error_fit import Fit
 from bdt_twin.output_error_settings import OutputErrorSettings
-from bdt_twin.saturation import turned_while_stuck
+from bdt_twin.sensor_saturation import motor_travel_in_saturation
 from bdt_twin.telemetry_window import TelemetryWindow
 from bdt_twin.window_model import Unknowns, WindowModel
-from bdt_twin.window_search import beginnings_at_rest, fit_window
+from bdt_twin.window_search import fit_window, initial_conditions_at_rest
 
 FloatArray = NDArray[np.float64]
 
 MISFIT = 0.02
 """Share of the position's motion that the residual may have in a window that is explained."""
-STUCK = 2.0
+LARGEST_SATURATED_TRAVEL = 2.0
 """Angle by which the motor may turn, beside twice the gap, while the position is stuck [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
-class Lesson:
+class AcceptedFit:
     """The last window that taught something.
 
     Attributes
@@ -83,7 +86,7 @@ class OutputErrorEstimator:
 
     Attributes
     ----------
-    lesson : Lesson or None
+    last_fit : AcceptedFit or None
         The last window that taught something, for those who want to know more than the estimate.
     """
 
@@ -95,14 +98,14 @@ class OutputErrorEstimator:
         self._block = settings.samples_per_block(sampling_rate)
         self._window = TelemetryWindow(sampling_rate, round(settings.window * sampling_rate))
         # Whatever is not in numba's cache is compiled now, not when the first batch waits.
-        compiled_window()
-        compiled_structure()
+        for compiled in (compiled_window, compiled_structure, compiled_means, *COMPILED):
+            compiled()
         self.restart()
 
     def restart(self) -> None:
         """Forget everything: another run begins."""
         self._window.restart()
-        self.lesson: Lesson | None = None
+        self.last_fit: AcceptedFit | None = None
 
     def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
         """Take the next batch.
@@ -142,7 +145,7 @@ class OutputErrorEstimator:
         finally:
             # The window forgets itself when time goes back.
             if self._window.end is None:
-                self.lesson = None
+                self.last_fit = None
 
     def _estimate(self, newest: int) -> Estimate:
         """Return the estimate from the window whose last sample has the number `newest`."""
@@ -151,58 +154,67 @@ class OutputErrorEstimator:
         shortest = round(chosen.shortest_stretch * rate)
         stretches = self._window.stretches(newest + 1, shortest, self._block)
         if not stretches:
-            return self._kept(time, f"no {chosen.shortest_stretch:g} s of data without a hole")
+            return self._hold_estimate(
+                time, f"no {chosen.shortest_stretch:g} s of data without a hole"
+            )
         if not any(stretch.voltage.any() for stretch in stretches):
-            return self._kept(time, "the motor does not move")
-        known = 0.0 if self.lesson is None else self.lesson.estimate.gap
+            return self._hold_estimate(time, "the motor does not move")
+        known = 0.0 if self.last_fit is None else self.last_fit.estimate.gap
         per_volt = 1.0 / (rate * self._model.motor.back_emf_constant)
         if any(
-            turned_while_stuck(stretch.voltage, stretch.position, per_volt) > STUCK + 2.0 * known
+            motor_travel_in_saturation(stretch.voltage, stretch.position, per_volt)
+            > LARGEST_SATURATED_TRAVEL + 2.0 * known
             for stretch in stretches
         ):
-            return self._kept(time, "the position is stuck at its extreme while the motor turns")
+            return self._hold_estimate(
+                time, "the position is stuck at its extreme while the motor turns"
+            )
         numbers = np.arange(
             math.floor(stretches[0].first / rate / spacing),
             math.ceil((newest + 1) / rate / spacing) + 1,
         )
         knots: FloatArray = spacing * numbers.astype(np.float64)
         window = WindowModel(self._model, stretches, knots, rate, self._block)
-        return self._judge(window, self._fit(window), newest)
+        return self._validate(window, self._fit(window), newest)
 
     def _fit(self, window: WindowModel) -> Fit:
         """Fit a window, beginning with the last fit if it still describes the data."""
         predicted, noise = None, math.inf
-        if self.lesson is not None:
-            predicted, noise = self._followed(window, self.lesson), self.lesson.fit.noise
+        if self.last_fit is not None:
+            predicted, noise = (
+                self._predict_unknowns(window, self.last_fit),
+                self.last_fit.fit.noise,
+            )
         return fit_window(window, self._settings.growth_change, predicted, noise)
 
-    def _followed(self, window: WindowModel, last: Lesson) -> Unknowns:
+    def _predict_unknowns(self, window: WindowModel, last: AcceptedFit) -> Unknowns:
         """Return the unknowns that the last fit predicts for a window."""
         before, fit, knots = last.window, last.fit, window.knots
         beyond = np.maximum(knots - before.knots[-1], 0.0)
+        # Both windows' knots are multiples of the spacing, so that nothing is rounded.
         gaps = np.interp(knots, before.knots, fit.unknowns.gaps) + last.estimate.growth * beyond
         gaps = np.maximum(gaps, 0.0)
-        beginnings = beginnings_at_rest(window)
-        for beginning, stretch in zip(beginnings, window.stretches, strict=True):
-            half = 0.5 * float(np.interp(stretch.first / self._rate, knots, gaps))
-            for old, run in zip(before.stretches, fit.runs, strict=True):
+        initial_conditions = initial_conditions_at_rest(window)
+        for beginning, stretch in zip(initial_conditions, window.stretches, strict=True):
+            half = 0.5 * window.gap_at(gaps, stretch.first / self._rate)
+            for old, run in zip(before.stretches, fit.responses, strict=True):
                 sample = stretch.first - old.first
-                if 0 <= sample < run.lag.size and half > 0.0:
-                    beginning[0] = min(max(run.lag[sample] / half, -1.0), 1.0)
-        return Unknowns(gaps, fit.unknowns.factors, beginnings)
+                if 0 <= sample < run.relative_angle.size and half > 0.0:
+                    beginning[0] = min(max(run.relative_angle[sample] / half, -1.0), 1.0)
+        return Unknowns(gaps, fit.unknowns.factors, initial_conditions)
 
-    def _judge(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
+    def _validate(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
         """Return what a fit teaches, or the last estimate with the reason why it does not."""
         chosen, time = self._settings, self._window.time(newest)
-        pairs = list(zip(window.stretches, fit.runs, strict=True))
+        pairs = list(zip(window.stretches, fit.responses, strict=True))
         reversals = [stretch.first + sample for stretch, run in pairs for sample in run.reversals]
-        motion = max(float(np.std(run.position)) for run in fit.runs)
-        if sum(run.travel for run in fit.runs) < SMALLEST_TRAVEL:
-            return self._kept(time, "the lead screw does not move")
+        motion = max(standard_deviation(run.position) for run in fit.responses)
+        if sum(run.travel for run in fit.responses) < SMALLEST_TRAVEL:
+            return self._hold_estimate(time, "the lead screw does not move")
         if not reversals:
-            return self._kept(time, "the lead screw does not reverse")
+            return self._hold_estimate(time, "the lead screw does not reverse")
         if fit.noise > MISFIT * motion:
-            return self._kept(
+            return self._hold_estimate(
                 time,
                 f"the model does not explain {1e6 * fit.noise:.3g} um "
                 f"of a motion of {1e6 * motion:.3g} um",
@@ -212,11 +224,11 @@ class OutputErrorEstimator:
         stamp = time - (newest - reversals[-1]) / self._rate
         gap, uncertainty = _gap_at(window, fit, at)
         if uncertainty > chosen.largest_uncertainty:
-            return self._kept(
+            return self._hold_estimate(
                 time, f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
             )
         growth, growth_uncertainty = _growth_at(window, fit, at)
-        gain = math.exp(fit.unknowns.factors[FACTORS.index("gain")])
+        gain = float(exponential(fit.unknowns.factors[FACTORS.index("gain")]))
         estimate = Estimate(
             time=stamp,
             gap=gap,
@@ -227,21 +239,22 @@ class OutputErrorEstimator:
             reversals=len(reversals),
             age=time - stamp,
         )
-        self.lesson = Lesson(window, fit, estimate)
+        self.last_fit = AcceptedFit(window, fit, estimate)
         return estimate
 
-    def _kept(self, time: float, reason: str) -> Estimate:
+    def _hold_estimate(self, time: float, reason: str) -> Estimate:
         """Return the last estimate, as unsure as it is for a window that ends at `time`."""
-        if self.lesson is None:
+        if self.last_fit is None:
             return Estimate(time, math.nan, math.inf, reason=reason)
-        last = self.lesson.estimate
+        last = self.last_fit.estimate
         age = time - last.time
-        uncertainty = math.hypot(
+        parts = (
             last.uncertainty,
             age * last.growth,
             age * last.growth_uncertainty,
-            self._settings.growth_change * math.sqrt(age**3 / 3),
+            self._settings.growth_change * age * math.sqrt(age / 3),
         )
+        uncertainty = math.sqrt(math.fsum(part * part for part in parts))
         return last._replace(uncertainty=uncertainty, reason=reason, age=age)
 
 
@@ -254,8 +267,8 @@ def _gap_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
     knot = int(np.searchsorted(knots, at, side="right")) - 1
     changes = np.abs(np.diff(gaps, 2))[max(knot - 2, 0) : knot + 1]
     bend = float(changes.max(initial=0.0)) / 8
-    uncertainty = math.hypot(math.sqrt(float(weights @ fit.covariance @ weights)), bend)
-    return float(weights @ gaps), uncertainty
+    variance = dot(weights, product(fit.covariance, weights))
+    return dot(weights, gaps), math.sqrt(variance + bend * bend)
 
 
 def _growth_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
@@ -263,6 +276,7 @@ def _growth_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
     spacing = float(window.knots[1] - window.knots[0])
     before = max(at - 4 * spacing, float(window.knots[0]))
     after = max(at, before + spacing)
-    weights = window.weights(np.array([before, after])) @ np.array([-1.0, 1.0]) / (after - before)
-    uncertainty = math.sqrt(float(weights @ fit.covariance @ weights))
-    return float(weights @ fit.unknowns.gaps), uncertainty
+    earlier, later = window.weights(np.array([before, after])).T
+    weights = (later - earlier) / (after - before)
+    uncertainty = math.sqrt(dot(weights, product(fit.covariance, weights)))
+    return dot(weights, fit.unknowns.gaps), uncertainty

@@ -7,11 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_twin.block_residual import BlockResidual, correlated_blocks
-from bdt_twin.cramer_rao import information_of
-from bdt_twin.forward_model import WindowRun
+from bdt_plant.elementary_functions import logarithm
+from bdt_twin.block_residual import BlockResidual, variance_inflation
+from bdt_twin.cramer_rao import fisher_information
+from bdt_twin.fixed_order import dot, mean, product, solution, total, weighted_products
+from bdt_twin.forward_model import StretchResponse
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.window_model import BEGINNING, Unknowns, WindowModel
+from bdt_twin.window_model import INITIAL_CONDITION, Unknowns, WindowModel
 
 FloatArray = NDArray[np.float64]
 
@@ -48,7 +50,7 @@ class Fit:
     ----------
     unknowns : Unknowns
         Where the fit ended.
-    runs : list of WindowRun
+    responses : list of StretchResponse
         The simulation there.
     noise : float
         Standard deviation of the residual's block means, without outliers [m].
@@ -59,7 +61,7 @@ class Fit:
     """
 
     unknowns: Unknowns
-    runs: list[WindowRun]
+    responses: list[StretchResponse]
     noise: float
     covariance: FloatArray
     simulations: int
@@ -69,7 +71,7 @@ class _Point(NamedTuple):
     """Unknowns with their simulation and residual."""
 
     unknowns: Unknowns
-    runs: list[WindowRun]
+    responses: list[StretchResponse]
     residual: FloatArray
 
 
@@ -96,7 +98,8 @@ class WindowFit:
         self._prior = _prior(window.knots, len(positions))
         count, spacing = window.knots.size, float(window.knots[1] - window.knots[0])
         # Changes of growth at the knots, in multiples of their scale.
-        self._changes = np.diff(np.eye(count), 2, axis=0) / (growth_change * spacing**1.5)
+        scale = growth_change * spacing * math.sqrt(spacing)
+        self._changes = np.diff(np.eye(count), 2, axis=0) / scale
 
     def solve(
         self,
@@ -128,7 +131,7 @@ class WindowFit:
                 break
             settled = _noise(point.residual)
             # A model that is still wrong is wrong in the transients only, which are not outliers.
-            rms = math.sqrt(float(np.mean(point.residual**2)))
+            rms = math.sqrt(mean(np.square(point.residual)))
             noise = max(settled, rms / 2**number)
             step = self._step(point, noise)
             vector = point.unknowns.as_vector()
@@ -148,21 +151,21 @@ class WindowFit:
         return self._result(point, simulated)
 
     def _at(self, unknowns: Unknowns) -> _Point:
-        runs = self._window.run(unknowns)
-        return _Point(unknowns, runs, self._residual.means([run.position for run in runs]))
+        responses = self._window.simulate(unknowns)
+        return _Point(
+            unknowns, responses, self._residual.means([run.position for run in responses])
+        )
 
     def _step(self, point: _Point, noise: float) -> FloatArray:
-        slopes = self._window.slopes(point.unknowns, point.runs)
-        weights = self._weights(point.residual, noise) / noise**2
-        pull = np.einsum("ik,k->i", slopes, weights * point.residual)
+        jacobian = self._window.jacobian(point.unknowns, point.responses)
+        weights = self._weights(point.residual, noise) / (noise * noise)
+        pull = product(jacobian, weights * point.residual)
         prior = self._prior_at(point.unknowns)
-        information = information_of(slopes, weights) + prior
+        information = fisher_information(jacobian, weights) + prior
         scale = 1.0 / np.sqrt(np.diag(information))
-        gradient = pull - prior @ point.unknowns.as_vector()
-        step: FloatArray = scale * np.linalg.solve(
-            information * np.outer(scale, scale) + 1e-12 * np.eye(scale.size), scale * gradient
-        )
-        return step
+        scaled = information * np.outer(scale, scale) + 1e-12 * np.eye(scale.size)
+        gradient = pull - product(prior, point.unknowns.as_vector())
+        return scale * solution(scaled, (scale * gradient)[:, None])[:, 0]
 
     def _weights(self, residual: FloatArray, noise: float) -> FloatArray:
         """Return the weights of the blocks that make squares out of Huber's loss."""
@@ -173,33 +176,33 @@ class WindowFit:
     def _cost(self, point: _Point, noise: float) -> float:
         """Return the negative log-likelihood of unknowns and data, but for a constant."""
         size = np.abs(point.residual) / noise
-        loss = np.where(size <= HUBER, 0.5 * size**2, HUBER * (size - 0.5 * HUBER))
+        loss = np.where(size <= HUBER, 0.5 * np.square(size), HUBER * (size - 0.5 * HUBER))
         vector = point.unknowns.as_vector()
-        changes = self._changes @ point.unknowns.gaps
-        rare = 0.5 * (CHANGE_FREEDOM + 1.0) * np.log1p(changes**2 / CHANGE_FREEDOM)
-        return float(loss.sum() + rare.sum()) + 0.5 * float(vector @ self._prior @ vector)
+        changes = product(self._changes, point.unknowns.gaps)
+        rare = 0.5 * (CHANGE_FREEDOM + 1.0) * logarithm(1.0 + np.square(changes) / CHANGE_FREEDOM)
+        return total(loss) + total(rare) + 0.5 * dot(vector, product(self._prior, vector))
 
     def _prior_at(self, unknowns: Unknowns) -> FloatArray:
         """Return the inverse covariance of the unknowns before any data; their means are zero."""
-        changes, count = self._changes @ unknowns.gaps, unknowns.gaps.size
-        weights = (CHANGE_FREEDOM + 1.0) / (CHANGE_FREEDOM + changes**2)
+        changes, count = product(self._changes, unknowns.gaps), unknowns.gaps.size
+        weights = (CHANGE_FREEDOM + 1.0) / (CHANGE_FREEDOM + np.square(changes))
         prior = self._prior.copy()
-        prior[:count, :count] += (self._changes.T * weights) @ self._changes
+        prior[:count, :count] += weighted_products(self._changes.T, weights)
         return prior
 
     def _result(self, point: _Point, simulations: int) -> Fit:
         noise, deviation = _noise(point.residual), _deviation(point.residual)
         bounded = np.clip(point.residual, -HUBER * noise, HUBER * noise)
-        slopes = self._window.slopes(point.unknowns, point.runs)
-        weights = self._weights(point.residual, noise) / deviation**2
+        jacobian = self._window.jacobian(point.unknowns, point.responses)
+        weights = self._weights(point.residual, noise) / (deviation * deviation)
         # A residual that is not white says less than its samples are many.
-        weights /= correlated_blocks(bounded, self._window.block_rate)
-        information = information_of(slopes, weights) + self._prior_at(point.unknowns)
-        covariance: FloatArray = np.linalg.inv(information).astype(np.float64)
+        weights /= variance_inflation(bounded, self._window.block_rate)
+        information = fisher_information(jacobian, weights) + self._prior_at(point.unknowns)
+        covariance = solution(information, np.eye(len(information)))
         knots = self._window.knots.size
         return Fit(
             point.unknowns,
-            point.runs,
+            point.responses,
             deviation,
             covariance[:knots, :knots],
             simulations,
@@ -214,19 +217,20 @@ def _noise(residual: FloatArray) -> float:
 def _deviation(residual: FloatArray) -> float:
     """Return the standard deviation of a residual whose outliers are brought back [m]."""
     most = HUBER * _noise(residual)
-    return max(SMALLEST_NOISE, math.sqrt(float(np.mean(np.clip(residual, -most, most) ** 2))))
+    return max(SMALLEST_NOISE, math.sqrt(mean(np.square(np.clip(residual, -most, most)))))
 
 
 def _prior(knots: FloatArray, stretches: int) -> FloatArray:
     """Return the inverse covariance of the unknowns but for the changes of growth."""
     count, spacing = knots.size, float(knots[1] - knots[0])
     growth = np.diff(np.eye(count), axis=0) / spacing
-    size = count + len(FACTORS) + len(BEGINNING) * stretches
+    size = count + len(FACTORS) + len(INITIAL_CONDITION) * stretches
     prior = np.zeros((size, size))
-    prior[:count, :count] = np.eye(count) / GAP_SPREAD**2
-    prior[:count, :count] += growth.T @ growth / (GROWTH_SPREAD**2 * (count - 1))
+    prior[:count, :count] = np.eye(count) / (GAP_SPREAD * GAP_SPREAD)
+    spread = np.full(count - 1, 1.0 / (GROWTH_SPREAD * GROWTH_SPREAD * (count - 1)))
+    prior[:count, :count] += weighted_products(growth.T, spread)
     factors = np.arange(count, count + len(FACTORS))
     prior[factors, factors] = 1.0 / np.square(FACTOR_SPREAD)
-    shares = np.arange(count + len(FACTORS), size, len(BEGINNING))
-    prior[shares, shares] = SHARE_SPREAD**-2
+    shares = np.arange(count + len(FACTORS), size, len(INITIAL_CONDITION))
+    prior[shares, shares] = 1.0 / (SHARE_SPREAD * SHARE_SPREAD)
     return prior

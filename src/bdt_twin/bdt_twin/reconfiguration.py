@@ -1,6 +1,6 @@
 """From an estimate to a reconfiguration on its way: what node and offline loop share."""
 
-from bdt_twin.dead_zone_width import DeadZoneRule
+from bdt_twin.dead_zone_tolerance import DeadZoneRule
 from bdt_twin.estimator import Estimate
 from bdt_twin.link import DelayedLink, Reconfiguration
 
@@ -35,6 +35,10 @@ class Reconfigurator:
         self._link.send(now, now, tolerance)
         return tolerance
 
+    def send_again(self, now: int) -> bool:
+        """Send what is in force at the time `now` [ns]; False if nothing is, or it gets lost."""
+        return self._link.send_again(now) is not None
+
     def deliver(self, now: int) -> Reconfiguration | None:
         """Return the newest of what has arrived at `now` [ns]."""
         return self._link.deliver(now)
@@ -58,4 +62,4 @@ class Reconfigurator:
     def restart(self) -> None:
         """Forget everything: another run begins."""
         self._rule.restart()
-        self._link.drop()
+        self._link.restart()

@@ -2,40 +2,42 @@
 
 import math
 import sys
+import time
 from typing import Any
 
-import numpy as np
-from rcl_interfaces.srv import SetParameters
-from rclpy.clock import Clock, ClockType
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.clock import Clock, ClockType, JumpThreshold, TimeJump
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.parameter_client import AsyncParameterClient
-from rclpy.task import Future
-from rclpy.timer import Timer
 from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import Float64MultiArray
 
+from bdt_msgs_py.admission import Admission
 from bdt_msgs_py.diagnostics import DiagnosticsPublisher, Health
+from bdt_msgs_py.message_checks import check_telemetry_times, check_telemetry_values
 from bdt_msgs_py.node_main import run_node
-from bdt_msgs_py.node_parameters import ConfigurationError, declare_all, gone_if_refused
-from bdt_msgs_py.qos import qos_profile
-from bdt_msgs_py.reading import nanoseconds_from_seconds, read_samples
-from bdt_msgs_py.topics import (
-    BACKLASH_ESTIMATE,
-    DEAD_ZONE_PARAMETER,
-    PROGRESS,
-    PROGRESS_PERIOD,
-    TELEMETRY,
-    TELEMETRY_COLUMNS,
-    TWIN_NODE,
+from bdt_msgs_py.node_parameters import (
+    ConfigurationError,
+    accepted,
+    declare_all,
+    destroy_on_error,
+    reconfigured,
+    rejected,
 )
+from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.reading import nanoseconds_from_seconds
+from bdt_msgs_py.rejection import MessageRejectedError, Reason
+from bdt_msgs_py.telemetry_sequence import Admitted, TelemetrySequence
+from bdt_msgs_py.topics import BACKLASH_ESTIMATE, PROGRESS, PROGRESS_PERIOD, TELEMETRY, TWIN_NODE
 from bdt_msgs_py.writing import gap_estimate, progress
 from bdt_plant.plant import PlantModel
-from bdt_twin.dead_zone_width import DeadZoneRule
+from bdt_twin.dead_zone_delivery import DeadZoneDelivery
+from bdt_twin.dead_zone_tolerance import DeadZoneRule
 from bdt_twin.estimation_thread import EstimationThread
-from bdt_twin.estimator import Estimate
+from bdt_twin.estimator import Estimate, estimate_values
 from bdt_twin.estimator_choice import create_estimator
-from bdt_twin.link import DelayedLink, Reconfiguration
+from bdt_twin.link import DelayedLink
 from bdt_twin.parameters import PARAMETERS
 from bdt_twin.reconfiguration import Reconfigurator
 
@@ -66,7 +68,7 @@ class TwinNode(Node):
         model = PlantModel(motor, screw, structure)
         inverse_filter, output_error = estimators
         self._sampling_rate: float = inverse_filter.sampling_rate
-        with gone_if_refused(self):
+        with destroy_on_error(self):
             try:
                 estimator = create_estimator(self._choice, model, inverse_filter, output_error)
             except ValueError as error:
@@ -78,15 +80,18 @@ class TwinNode(Node):
         self._received = self._telemetry_end = self._batch_samples = 0
         self._estimate: Estimate | None = None
         self._window_time = 0.0
-        self._accepted = self._rejected = self._estimates = 0
-        self._reconfigurations = self._failures = self._reported_troubles = 0
+        self._accepted = self._estimates = self._reported_troubles = 0
+        self._estimator_errors, self._estimator_error = 0, ""
+        self._sequence = TelemetrySequence(1.0 / self._sampling_rate)
 
-        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._arrival_timer: Timer | None = None
-        self._answer_timer: Timer | None = None
-        self._in_flight: Reconfiguration | None = None
-        self._answer: Future[SetParameters.Response] | None = None
-        self._controller = AsyncParameterClient(self, self._settings.controller_node)
+        self._admission = Admission(self, (BACKLASH_ESTIMATE, TELEMETRY))
+        self._delivery = DeadZoneDelivery(
+            self,
+            self._settings,
+            self._reconfigurator,
+            self._publish_progress,
+            self._admission.reject,
+        )
         self._estimate_publisher = self.create_publisher(
             JointState, BACKLASH_ESTIMATE.name, qos_profile(BACKLASH_ESTIMATE)
         )
@@ -98,8 +103,15 @@ class TwinNode(Node):
         self.create_subscription(
             Float64MultiArray, TELEMETRY.name, self._take_telemetry, qos_profile(TELEMETRY)
         )
-        self.create_timer(PROGRESS_PERIOD, self._tell_progress, clock=self._steady)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(PROGRESS_PERIOD, self._publish_progress, clock=steady)
+        went_back = JumpThreshold(min_forward=None, min_backward=Duration(nanoseconds=-1))
+        self._jumps = self.get_clock().create_jump_callback(
+            went_back, post_callback=self._expect_restart
+        )
         self._diagnostics = DiagnosticsPublisher(self, self._health)
+        self.add_on_set_parameters_callback(self._check_parameters)
+        self.add_post_set_parameters_callback(self._use_parameters)
 
     def destroy_node(self) -> None:
         """End the estimation and destroy the node."""
@@ -112,30 +124,50 @@ class TwinNode(Node):
 
     def _take_telemetry(self, message: Float64MultiArray) -> None:
         try:
-            rows = read_samples(message, TELEMETRY_COLUMNS)
-        except ValueError as error:
-            self._reject(str(error))
+            rows = check_telemetry_times(message)
+            try:
+                check_telemetry_values(rows)
+                admitted = self._sequence.admit(rows, time.monotonic(), self._simulated_time())
+            except MessageRejectedError:
+                self._sequence.note_unusable(rows)
+                raise
+        except MessageRejectedError as error:
+            self._admission.reject(TELEMETRY, error)
             return
-        if not len(rows):
-            self._reject("the batch is empty")
-            return
-        if np.isfinite(rows[-1, 0]):
-            self._received = nanoseconds_from_seconds(rows[-1, 0])
-        self._estimation.put(rows)
+        self._estimate_from(admitted)
 
-    def _reject(self, reason: str) -> None:
-        self._rejected += 1
-        self._warn(f"rejected telemetry: {reason}")
+    def _estimate_from(self, admitted: Admitted) -> None:
+        """Hand admitted batches over to the estimator."""
+        if admitted.stray is not None:
+            self._admission.reject(TELEMETRY, admitted.stray)
+        if admitted.hole is not None:
+            self._estimation.put_hole(admitted.hole)
+        for number, rows in enumerate(admitted.batches):
+            self._received = nanoseconds_from_seconds(rows[-1, 0])
+            self._estimation.put(rows, begins=admitted.begins and number == 0)
+
+    def _simulated_time(self) -> float | None:
+        """Return the simulated time [s] by the clock; None without one."""
+        is_simulated = self.get_parameter("use_sim_time").value
+        return self.get_clock().now().nanoseconds * 1e-9 if is_simulated else None
+
+    def _expect_restart(self, _jump: TimeJump) -> None:
+        self._estimate_from(self._sequence.expect_restart())
 
     def _take_outcomes(self) -> None:
         """Use what the estimation found since the last time."""
         for outcome in self._estimation.outcomes():
-            if outcome.fault:
-                self._reject(outcome.fault)
-            else:
-                self._accepted += 1
+            if outcome.fault and not outcome.is_hole:
+                self._admission.reject(
+                    TELEMETRY, MessageRejectedError(Reason.SAMPLES, outcome.fault)
+                )
+            self._accepted += not outcome.fault
+            if outcome.error:
+                self._estimator_errors += 1
+                self._estimator_error = outcome.error
+                self._warn(f"the estimator failed: {outcome.error}")
             if outcome.begins:
-                self._reconfigurator.restart()
+                self._delivery.restart()
                 self._estimate = None
             self._window_time = outcome.seconds
             if math.isfinite(outcome.newest):
@@ -143,7 +175,7 @@ class TwinNode(Node):
                 self._batch_samples = outcome.samples
             if outcome.estimate is not None:
                 self._use(outcome.estimate)
-            self._tell_progress()
+            self._publish_progress()
 
     def _use(self, estimate: Estimate) -> None:
         self._estimates += 1
@@ -163,70 +195,29 @@ class TwinNode(Node):
                 )
             )
         if self._settings.reconfigure:
-            self._deliver()
+            self._delivery.deliver()
 
     # Reconfiguration -----------------------------------------------------------------------
 
-    def _deliver(self) -> None:
-        """Ask the controller for what has arrived; come back for what is still on its way."""
-        if self._in_flight is not None:
-            return
-        now = self.get_clock().now().nanoseconds
-        self._in_flight = self._reconfigurator.deliver(now)
-        if self._in_flight is not None:
-            value = self._in_flight.tolerance
-            request = Parameter(DEAD_ZONE_PARAMETER, Parameter.Type.DOUBLE, value)
-            self._answer = self._controller.set_parameters([request])
-            self._answer.add_done_callback(self._take_answer)
-            self._answer_timer = self.create_timer(
-                self._settings.service_timeout, self._give_up, clock=self._steady
-            )
-            return
-        self._arrival_timer = self._destroyed(self._arrival_timer)
-        due = self._reconfigurator.next_due()
-        if due is not None:
-            self._arrival_timer = self.create_timer((due - now) * 1e-9, self._deliver)
+    def _check_parameters(self, changes: list[Parameter]) -> SetParametersResult:
+        try:
+            reconfigured(self._settings, "", changes)
+        except ValueError as error:
+            return rejected(str(error))
+        return accepted()
 
-    def _take_answer(self, answer: "Future[SetParameters.Response]") -> None:
-        if answer is not self._answer or answer.cancelled():
-            return
-        response = answer.result()
-        if response is None:
-            return  # not an answer: the timeout will count it
-        (result,) = response.results
-        if result.successful:
-            self._reconfigurations += 1
-        else:
-            self._failures += 1
-            self._warn(f"the controller refused the dead zone: {result.reason}")
-        self._request_ended()
+    def _use_parameters(self, changes: list[Parameter]) -> None:
+        self._settings = reconfigured(self._settings, "", changes)
+        self._delivery.reconfigure(self._settings.reconfigure)
+        self._publish_progress()
 
-    def _give_up(self) -> None:
-        self._failures += 1
-        self._warn(f"no answer from {self._settings.controller_node} to a reconfiguration")
-        if self._answer is not None:
-            self._answer.cancel()
-        self._request_ended()
-
-    def _request_ended(self) -> None:
-        self._answer = self._in_flight = None
-        self._answer_timer = self._destroyed(self._answer_timer)
-        self._deliver()
-        self._tell_progress()
-
-    def _destroyed(self, timer: Timer | None) -> Timer | None:
-        """Destroy a timer, if there is one, and return the None that takes its place."""
-        if timer is not None:
-            self.destroy_timer(timer)
-        return None
-
-    def _tell_progress(self) -> None:
-        known = (
-            self._in_flight.due if self._in_flight is not None else self._reconfigurator.next_due()
+    def _publish_progress(self) -> None:
+        times = (self._delivery.next_due(), self._next_action())
+        promises = [time for time in times if time is not None]
+        earliest_action = min(promises, default=None)
+        self._progress_publisher.publish(
+            progress(self.get_name(), self._telemetry_end, earliest_action)
         )
-        promises = [time for time in (known, self._next_action()) if time is not None]
-        acts_at = min(promises, default=None)
-        self._progress_publisher.publish(progress(self.get_name(), self._telemetry_end, acts_at))
 
     def _next_action(self) -> int | None:
         """Return the earliest time [ns] at which telemetry yet to come can make the twin act.
@@ -246,37 +237,28 @@ class TwinNode(Node):
         self.get_logger().warning(text, throttle_duration_sec=1.0)
 
     def _health(self) -> Health:
-        troubles = self._rejected + self._failures
-        well = troubles == self._reported_troubles
+        troubles = self._delivery.requests.failed + self._estimator_errors
+        ok = troubles == self._reported_troubles
         self._reported_troubles = troubles
         values = {
             "estimator": self._choice.kind,
             "estimates": self._estimates,
-            **_described(self._estimate),
+            **estimate_values(self._estimate),
+            "estimator_errors": self._estimator_errors,
+            "estimator_error": self._estimator_error,
             "telemetry_accepted": self._accepted,
-            "telemetry_rejected": self._rejected,
             "telemetry_lag_s": (self._received - self._telemetry_end) * 1e-9,
             "window_time_s": self._window_time,
-            "reconfigurations": self._reconfigurations,
-            "failed_reconfigurations": self._failures,
+            "reconfigure": self._settings.reconfigure,
+            "dead_zone_in_force_m": self._delivery.in_force.tolerance,
+            "dead_zone_set_by": self._delivery.in_force.set_by,
+            "reconfigurations": self._delivery.requests.accepted,
+            "failed_reconfigurations": self._delivery.requests.failed,
             "lost_reconfigurations": self._link.lost,
             "overtaken_reconfigurations": self._link.overtaken,
         }
-        return Health(well, "estimating" if well else "telemetry or reconfiguration failed", values)
-
-
-def _described(estimate: Estimate | None) -> dict[str, float | int | str | None]:
-    """Return what the diagnostics say of an estimate."""
-    if estimate is None:
-        return {"gap_estimate_rad": None}
-    return {
-        "gap_estimate_rad": estimate.gap,
-        "gap_uncertainty_rad": estimate.uncertainty,
-        "gap_growth_rad_per_s": estimate.growth,
-        "gain_correction": estimate.gain_correction,
-        "reversals": estimate.reversals,
-        "nothing_learned_because": estimate.reason,
-    }
+        words = "estimating" if ok else "estimator or reconfiguration failed"
+        return self._admission.complete(Health(ok, words, values))
 
 
 def main(args: list[str] | None = None) -> None:

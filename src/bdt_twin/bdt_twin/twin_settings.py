@@ -10,7 +10,9 @@ from bdt_msgs_py.topics import CONTROLLER_NODE
 class TwinSettings:
     """What the twin does with its estimates."""
 
-    reconfigure: bool = quantity(True, "", "set the controller's dead zone; false to estimate only")
+    reconfigure: bool = quantity(
+        True, "", "set the controller's dead zone; false to estimate only", reconfigurable=True
+    )
     controller_node: str = quantity(CONTROLLER_NODE, "", "name of the node whose dead zone is set")
     service_timeout: float = quantity(
         2.0,

@@ -1,15 +1,22 @@
-"""Position over a window as a function of what is unknown about the mechanism, and its slopes."""
+"""Position over a window as a function of what is unknown about the mechanism, and its Jacobian."""
 
-import math
 from dataclasses import dataclass
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_plant.elementary_functions import exponential
 from bdt_plant.plant import PlantModel
-from bdt_plant.structure import StructureState, StructureStep
-from bdt_twin.forward_model import WindowRun, initial_state, run_structure, run_window
+from bdt_plant.structure import DiscreteStructure, StructureState
+from bdt_twin.fixed_order import dot, product
+from bdt_twin.forward_model import (
+    StretchResponse,
+    initial_state,
+    simulate_stretch,
+    simulate_structure,
+)
 from bdt_twin.model_factors import (
     FACTORS,
     block_model_with,
@@ -18,7 +25,7 @@ from bdt_twin.model_factors import (
 
 FloatArray = NDArray[np.float64]
 
-BEGINNING = ("share", "offset", "q2", "q2_velocity", "q3", "q3_velocity")
+INITIAL_CONDITION = ("share", "offset", "q2", "q2_velocity", "q3", "q3_velocity")
 """Unknowns at the beginning of a stretch; see :class:`Unknowns`."""
 
 
@@ -52,27 +59,29 @@ class Unknowns:
         Gap theta_b at the knots, linear between them [rad].
     factors : ndarray, shape (3,)
         Natural logarithms of ``model_factors.FACTORS``.
-    beginnings : ndarray, shape (stretches, 6)
-        ``BEGINNING`` of each stretch: where in the gap the motor is, from -1 to 1 (ends at which
-        it drives the screw backward and forward), the position of the lead screw's end [m], and
-        the structure's positions [m] relative to it and velocities [m/s].
+    initial_conditions : ndarray, shape (stretches, 6)
+        ``INITIAL_CONDITION`` of each stretch: where in the gap the motor is, from -1 to 1 (ends at
+        which it drives the screw backward and forward), the position of the lead screw's end [m],
+        and the structure's positions [m] relative to it and velocities [m/s].
     """
 
     gaps: FloatArray
     factors: FloatArray
-    beginnings: FloatArray
+    initial_conditions: FloatArray
 
     def as_vector(self) -> FloatArray:
         """Return all of them in one array."""
-        return np.concatenate([self.gaps, self.factors, self.beginnings.ravel()])
+        return np.concatenate([self.gaps, self.factors, self.initial_conditions.ravel()])
 
     def from_vector(self, vector: FloatArray) -> "Unknowns":
         """Return the unknowns of a vector, brought back to where they have a meaning."""
         knots = self.gaps.size
-        beginnings = vector[knots + len(FACTORS) :].reshape(self.beginnings.shape).copy()
-        np.clip(beginnings[:, 0], -1.0, 1.0, out=beginnings[:, 0])
+        initial_conditions = (
+            vector[knots + len(FACTORS) :].reshape(self.initial_conditions.shape).copy()
+        )
+        np.clip(initial_conditions[:, 0], -1.0, 1.0, out=initial_conditions[:, 0])
         factors = np.clip(vector[knots : knots + len(FACTORS)], -1.0, 1.0)
-        return Unknowns(np.maximum(vector[:knots], 0.0), factors, beginnings)
+        return Unknowns(np.maximum(vector[:knots], 0.0), factors, initial_conditions)
 
 
 class WindowModel:
@@ -104,10 +113,7 @@ class WindowModel:
         self.block_rate = sampling_rate / block
         self._model, self._rate = model, sampling_rate
         self._blocks = [stretch.voltage.size // block for stretch in stretches]
-        self._times = [
-            (stretch.first + np.arange(stretch.voltage.size)) / sampling_rate
-            for stretch in stretches
-        ]
+        self._places = [self._places_of(stretch) for stretch in stretches]
 
     def coarse(self, lowest_rate: float, lowest_block_rate: float) -> "WindowModel":
         """Return the window with fewer samples and blocks, for a rough fit in little time.
@@ -127,61 +133,61 @@ class WindowModel:
             skipped = -first % every
             count = (voltage.size - skipped) // every // block * block
             kept = slice(skipped, skipped + count * every)
-            means = voltage[kept].reshape(-1, every).mean(axis=1)
+            means = reduce(np.add, voltage[kept].reshape(-1, every).T) / every
             stretches.append(Stretch((first + skipped) // every, means, position[kept][::every]))
         return WindowModel(self._model, stretches, self.knots, rate, block)
 
-    def run(self, unknowns: Unknowns) -> list[WindowRun]:
+    def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
         """Simulate each stretch."""
         step = plant_step_with(self._model, unknowns.factors, 1.0 / self._rate)
-        gain = math.exp(unknowns.factors[FACTORS.index("gain")])
+        gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
-        runs = []
-        for stretch, times, beginning in zip(
-            self.stretches, self._times, unknowns.beginnings, strict=True
+        changes, responses = np.diff(unknowns.gaps), []
+        for stretch, (knots, shares), beginning in zip(
+            self.stretches, self._places, unknowns.initial_conditions, strict=True
         ):
-            gaps = np.interp(times, self.knots, unknowns.gaps)
+            gaps = unknowns.gaps[knots] + changes[knots] * shares
             state = initial_state(
                 StructureState(*beginning[2:].tolist()),
                 0.5 * float(beginning[0]) * float(gaps[0]),
                 float(stretch.voltage[0]),
                 back_emf,
             )
-            run = run_window(step, state, stretch.voltage, gaps, self.block)
-            runs.append(run._replace(position=run.position + beginning[1]))
-        return runs
+            run = simulate_stretch(step, state, stretch.voltage, gaps, self.block)
+            responses.append(run._replace(position=run.position + beginning[1]))
+        return responses
 
-    def slopes(self, unknowns: Unknowns, runs: list[WindowRun]) -> FloatArray:
-        """Return the slopes of the block means of the position, shape (unknowns, blocks).
+    def jacobian(self, unknowns: Unknowns, responses: list[StretchResponse]) -> FloatArray:
+        """Return the Jacobian of the block means of the position, shape (unknowns, blocks).
 
         The mean over a block of a linear model's response is the response to the input's mean,
         so the structure is simulated from block to block.
         """
         knots, count = self.knots.size, sum(self._blocks)
-        slopes = np.zeros((unknowns.as_vector().size, count))
+        jacobian = np.zeros((unknowns.as_vector().size, count))
         start = 0
-        for number, (run, blocks) in enumerate(zip(runs, self._blocks, strict=True)):
+        for number, (run, blocks) in enumerate(zip(responses, self._blocks, strict=True)):
             columns = slice(start, start + blocks)
             start += blocks
-            first = knots + len(FACTORS) + len(BEGINNING) * number
-            self._add_play(slopes[:, columns], first, number, unknowns, run)
-            self._add_structure(slopes[:, columns], first, number, unknowns, run)
-        return slopes
+            first = knots + len(FACTORS) + len(INITIAL_CONDITION) * number
+            self._add_play(jacobian[:, columns], first, number, unknowns, run)
+            self._add_structure(jacobian[:, columns], first, number, unknowns, run)
+        return jacobian
 
     def _add_play(
         self,
-        slopes: FloatArray,
+        jacobian: FloatArray,
         first: int,
         number: int,
         unknowns: Unknowns,
-        run: WindowRun,
+        run: StretchResponse,
     ) -> None:
-        """Add the slopes that act through the angle of the screw: gap, gain, first contact."""
+        """Add the rows that act through the angle of the screw: gap, gain, first contact."""
         _, step = self._by_blocks(unknowns.factors)
         base_of, at_rest = self._model.lead_screw.pitch, StructureState(0.0, 0.0, 0.0, 0.0)
         moved = np.abs(run.side)
         begins = self.stretches[number].first
-        share = float(unknowns.beginnings[number, 0])
+        share = float(unknowns.initial_conditions[number, 0])
         initial = self.weights(np.array([begins / self._rate]))[:, 0]
         weights = self.weights((begins + run.sample) / self._rate)
         for knot in range(self.knots.size):
@@ -191,18 +197,23 @@ class WindowModel:
             # Before that the structure rests.
             begin = max(int((acts != 0.0).argmax()) - 1, 0)
             turned = 0.5 * (share * initial[knot] * moved - run.side * weights[knot])[begin:]
-            slopes[knot, begin:] = run_structure(step, at_rest, base_of * turned)
-        gap = float(initial @ unknowns.gaps)
+            jacobian[knot, begin:] = simulate_structure(step, at_rest, base_of * turned)
+        gap = dot(initial, unknowns.gaps)
         # The angle of the motor begins at its place in the gap.
         turned = (run.motor - 0.5 * share * gap) * moved
-        slopes[self.knots.size] = run_structure(step, at_rest, base_of * turned)
-        slopes[first] = run_structure(step, at_rest, base_of * 0.5 * gap * moved)
+        jacobian[self.knots.size] = simulate_structure(step, at_rest, base_of * turned)
+        jacobian[first] = simulate_structure(step, at_rest, base_of * 0.5 * gap * moved)
 
     def _add_structure(
-        self, slopes: FloatArray, first: int, number: int, unknowns: Unknowns, run: WindowRun
+        self,
+        jacobian: FloatArray,
+        first: int,
+        number: int,
+        unknowns: Unknowns,
+        run: StretchResponse,
     ) -> None:
-        """Add the slopes of the structure's constants and of its initial state."""
-        knots, beginning = self.knots.size, unknowns.beginnings[number]
+        """Add the rows of the structure's constants and of its initial state."""
+        knots, beginning = self.knots.size, unknowns.initial_conditions[number]
         base = self._model.lead_screw.pitch * run.screw
         for which in (1, 2):
             ends = []
@@ -210,19 +221,30 @@ class WindowModel:
                 factors = unknowns.factors.copy()
                 factors[which] += change
                 start, step = self._by_blocks(factors)
-                state = StructureState(*(start @ beginning[2:]).tolist())
-                ends.append(run_structure(step, state, base))
-            slopes[knots + which, :] = (ends[0] - ends[1]) / (2 * FACTOR_CHANGE)
-        slopes[first + 1] = 1.0
+                state = StructureState(*product(start, beginning[2:]).tolist())
+                ends.append(simulate_structure(step, state, base))
+            jacobian[knots + which, :] = (ends[0] - ends[1]) / (2 * FACTOR_CHANGE)
+        jacobian[first + 1] = 1.0
         start, step = self._by_blocks(unknowns.factors)
         nothing = np.zeros(base.size)
         for state_number, mean in enumerate(start.T):
-            free = run_structure(step, StructureState(*mean.tolist()), nothing)
-            slopes[first + 2 + state_number] = free
+            free = simulate_structure(step, StructureState(*mean.tolist()), nothing)
+            jacobian[first + 2 + state_number] = free
 
-    def _by_blocks(self, factors: FloatArray) -> tuple[FloatArray, StructureStep]:
+    def _by_blocks(self, factors: FloatArray) -> tuple[FloatArray, DiscreteStructure]:
         """Return the structure's model from block to block."""
         return block_model_with(self._model, factors, 1.0 / self._rate, self.block)
+
+    def gap_at(self, gaps: FloatArray, time: float) -> float:
+        """Return the gap [rad] at a time [s] for gaps at the knots, shape (knots,)."""
+        return dot(self.weights(np.array([time]))[:, 0], gaps)
+
+    def _places_of(self, stretch: Stretch) -> tuple[NDArray[np.int64], FloatArray]:
+        """Return the knot before each sample and how far it is to the next one, from 0 to 1."""
+        times = (stretch.first + np.arange(stretch.voltage.size)) / self._rate
+        places = (times - self.knots[0]) / (self.knots[1] - self.knots[0])
+        before = np.clip(places.astype(np.int64), 0, self.knots.size - 2)
+        return before, np.clip(places - before, 0.0, 1.0)
 
     def weights(self, times: FloatArray) -> FloatArray:
         """Return by how much the gap at each time depends on each knot, shape (knots, n)."""

@@ -5,19 +5,20 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_twin.fixed_order import standard_deviation
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error_fit import Fit, WindowFit
-from bdt_twin.window_model import BEGINNING, Unknowns, WindowModel
+from bdt_twin.window_model import INITIAL_CONDITION, Unknowns, WindowModel
 
 FloatArray = NDArray[np.float64]
 
 FIRST_GAPS = (8.0, 28.0, 2.0, 16.0)
 """Gaps from which a fit without a predecessor begins [deg]."""
 AGREED = 1.1
-"""Ratio of the residuals below which two beginnings have led to the same fit."""
+"""Ratio of the residuals below which two initial conditions have led to the same fit."""
 ROUGH, FINE = 5, 10
 """Largest numbers of steps of a fit to choose a beginning by, and of one that counts."""
-PATIENCE = 4
+PREDICTION_SIMULATIONS = 4
 """Simulations after which a prediction has to describe the data."""
 MOST_SAMPLES = 1_600_000
 """Samples that a fit may simulate, which bounds the time that it takes."""
@@ -31,11 +32,13 @@ EXPLAINED = 1e-4
 """Share of the position's motion in a residual from which on no better fit is looked for."""
 
 
-def beginnings_at_rest(window: WindowModel) -> FloatArray:
-    """Return the beginnings of stretches at rest, the motor in the middle of the gap."""
-    beginnings = np.zeros((len(window.stretches), len(BEGINNING)))
-    beginnings[:, BEGINNING.index("offset")] = [stretch.position[0] for stretch in window.stretches]
-    return beginnings
+def initial_conditions_at_rest(window: WindowModel) -> FloatArray:
+    """Return the initial conditions of stretches at rest, the motor in the middle of the gap."""
+    initial_conditions = np.zeros((len(window.stretches), len(INITIAL_CONDITION)))
+    initial_conditions[:, INITIAL_CONDITION.index("offset")] = [
+        stretch.position[0] for stretch in window.stretches
+    ]
+    return initial_conditions
 
 
 def fit_window(
@@ -43,9 +46,9 @@ def fit_window(
 ) -> Fit:
     """Fit a window, beginning with a prediction if that describes the data.
 
-    Otherwise beginnings with different gaps are tried on a coarse copy of the window. How often
-    the window itself is simulated is limited, and so is the time that this takes: what a fit
-    has not reached by then is reached from there in the next windows.
+    Otherwise initial conditions with different gaps are tried on a coarse copy of the window. How
+    often the window itself is simulated is limited, and so is the time that this takes: what a
+    fit has not reached by then is reached from there in the next windows.
 
     Parameters
     ----------
@@ -62,23 +65,25 @@ def fit_window(
     samples = sum(stretch.voltage.size for stretch in window.stretches)
     simulations = max(MOST_SAMPLES // samples, FEWEST_SIMULATIONS)
     if predicted is None:
-        return problem.solve(_best_beginning(window, growth_change), FINE, simulations)
-    motion = max(float(np.std(stretch.position)) for stretch in window.stretches)
+        return problem.solve(_multi_start(window, growth_change), FINE, simulations)
+    motion = max(standard_deviation(stretch.position) for stretch in window.stretches)
     enough = max(WORSE * noise, EXPLAINED * motion)
-    followed = problem.solve(predicted, FINE, simulations, patience=PATIENCE, enough=enough)
+    followed = problem.solve(
+        predicted, FINE, simulations, patience=PREDICTION_SIMULATIONS, enough=enough
+    )
     if followed.noise <= enough:
         return followed
-    fit = problem.solve(_best_beginning(window, growth_change), FINE, FEWEST_SIMULATIONS)
+    fit = problem.solve(_multi_start(window, growth_change), FINE, FEWEST_SIMULATIONS)
     return min(followed, fit, key=lambda each: each.noise)
 
 
-def _best_beginning(window: WindowModel, growth_change: float) -> Unknowns:
+def _multi_start(window: WindowModel, growth_change: float) -> Unknowns:
     """Return what fits a coarse copy of the window best, of what is found from each first gap."""
     problem = WindowFit(window.coarse(COARSE_RATE, COARSE_BLOCK_RATE), growth_change)
     fits: list[Fit] = []
     for gap in FIRST_GAPS:
         gaps = np.full(window.knots.size, math.radians(gap))
-        first = Unknowns(gaps, np.zeros(len(FACTORS)), beginnings_at_rest(window))
+        first = Unknowns(gaps, np.zeros(len(FACTORS)), initial_conditions_at_rest(window))
         fits.append(problem.solve(first, ROUGH, 2 * ROUGH))
         least = min(fit.noise for fit in fits)
         if sum(fit.noise < AGREED * least for fit in fits) > 1:

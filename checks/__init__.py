@@ -1,0 +1,1 @@
+"""Checks of the repository that no tool from an index does; ``make check`` runs them."""

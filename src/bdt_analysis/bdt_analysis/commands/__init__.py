@@ -1,0 +1,1 @@
+"""Subcommands of ``bdt`` that look at what was recorded."""

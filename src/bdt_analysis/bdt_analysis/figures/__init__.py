@@ -1,0 +1,1 @@
+"""Figures of runs: their looks, curves and honest decimation."""

@@ -1,0 +1,1 @@
+"""The numbers of a run: steps, oscillation, estimates, timing."""

@@ -1,0 +1,133 @@
+"""The steps of a run: where the reference changes, by how much, and what can be judged."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+WINDOW = 3.0
+"""Length [s] of the end of a step on which its residual, bias and oscillation are taken."""
+
+NEGLIGIBLE_HEIGHT = 1e-3
+"""A step lower than this part of the highest one is none."""
+
+MISSED_BEGINNING = 0.1
+"""Part of a step that may be missing at the beginning of a recording."""
+
+
+@dataclass(frozen=True)
+class ReferenceStep:
+    """An interval with a constant reference.
+
+    Attributes
+    ----------
+    t_start, t_end : float
+        Beginning and end [s]; the end of the last step is that of the telemetry.
+    reference : float
+        Reference r [m].
+    height : float or None
+        Change of the reference, without sign [m]; for the first step its distance from the first
+        q3. None when the beginning of the step was not recorded or when nothing changed.
+    scale : float or None
+        Height on which an oscillation is judged [m]: its own or, without one, that of the
+        highest step or, if no step has any, the largest reference.
+    window : float
+        Length of the end on which the step is judged [s]: 3 s, or half of a step shorter than
+        6 s, so that a window never begins with the transient at full size.
+    cut : bool
+        True for a last step that the end of the recording cuts too short to be judged.
+    """
+
+    t_start: float
+    t_end: float
+    reference: float
+    height: float | None
+    scale: float | None
+    window: float
+    cut: bool
+
+    @property
+    def length(self) -> float:
+        """Length [s]."""
+        return self.t_end - self.t_start
+
+
+def find_steps(
+    reference: FloatArray, telemetry: FloatArray, sample_time: float
+) -> list[ReferenceStep]:
+    """Return the steps of a run.
+
+    The last step is cut by the end of the recording. It can still be judged if it is at least
+    6 s long or as long as the shortest of the others.
+
+    Parameters
+    ----------
+    reference : ndarray, shape (k, 2)
+        Rows of (time from which it holds [s], r [m]) in the order of time.
+    telemetry : ndarray, shape (n, 3)
+        Rows of (t [s], u [V], q3 [m]).
+    sample_time : float
+        Sample time of the telemetry [s].
+
+    Returns
+    -------
+    list of ReferenceStep
+        In the order of time; empty when no reference holds during the telemetry.
+    """
+    if not len(reference):
+        return []
+    begin, end = telemetry[0, 0], telemetry[-1, 0] + sample_time
+    rows = _changes(reference)
+    # A step shorter than a sample time was never seen by the controller.
+    ends = np.append(rows[1:, 0], end)
+    inside = (ends > begin + 0.5 * sample_time) & (rows[:, 0] < end - 0.5 * sample_time)
+    rows, ends = rows[inside], np.minimum(ends[inside], end)
+    if not len(rows):
+        return []
+    heights = _heights(rows, ends, telemetry)
+    highest = float(np.nanmax(heights, initial=0.0))
+    largest = float(np.abs(rows[:, 1]).max())
+    if highest <= NEGLIGIBLE_HEIGHT * largest:
+        highest = 0.0  # the run begins where it stays
+    known = heights > NEGLIGIBLE_HEIGHT * highest
+    lengths = ends - np.maximum(rows[:, 0], begin)
+    enough = min(2 * WINDOW, lengths[:-1].min(initial=np.inf)) if len(rows) > 1 else 0.0
+    steps = []
+    for k, (start, value) in enumerate(rows.tolist()):
+        height = float(heights[k]) if known[k] and highest else None
+        scale = height or highest or largest or None
+        steps.append(
+            ReferenceStep(
+                t_start=start,
+                t_end=float(ends[k]),
+                reference=value,
+                height=height,
+                scale=scale,
+                window=float(min(WINDOW, 0.5 * lengths[k])),
+                cut=k == len(rows) - 1 and bool(lengths[k] < enough - sample_time),
+            )
+        )
+    return steps
+
+
+def _changes(reference: FloatArray) -> FloatArray:
+    """Return the rows at which the value changes; of several at one time the last one holds."""
+    last_of_time = np.append(np.diff(reference[:, 0]) > 0, True)
+    rows = reference[last_of_time]
+    changed = np.concatenate([[True], np.diff(rows[:, 1]) != 0])
+    kept: FloatArray = rows[changed]
+    return kept
+
+
+def _heights(rows: FloatArray, ends: FloatArray, telemetry: FloatArray) -> FloatArray:
+    """Return the heights [m], NaN for a first step whose beginning is missing."""
+    start, value = rows[0]
+    first_index = min(int(np.searchsorted(telemetry[:, 0], start)), len(telemetry) - 1)
+    missed = telemetry[first_index, 0] - start
+    if missed > MISSED_BEGINNING * (ends[0] - start):
+        first = np.nan
+    else:
+        first = abs(value - telemetry[first_index, 2])
+    return np.concatenate([[first], np.abs(np.diff(rows[:, 1]))])

@@ -1,0 +1,184 @@
+"""Each step of the reference in numbers: residual, bias, settling time, limit cycle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_analysis.metrics.oscillation import find_oscillation, oscillation_frequency
+from bdt_analysis.metrics.reference_steps import ReferenceStep
+
+FloatArray = NDArray[np.float64]
+
+SETTLING_BAND = 0.02
+"""Distance from the final position, as a part of the height, within which a step has settled."""
+
+LIMIT_CYCLE_THRESHOLD = 0.01
+"""Peak to peak of an oscillation, as a part of the height, above which it is a limit cycle."""
+
+CLEAN = 0.9
+"""Part of the peak to peak that an oscillation without noise and drift has after smoothing."""
+
+SHORTEST_JUDGED = 1.0
+"""Length [s] of the window below which neither settling nor a limit cycle can be told."""
+
+
+@dataclass(frozen=True)
+class StepSummary:
+    """One step; the fields of ``steps`` in ``summary.json``.
+
+    Attributes
+    ----------
+    t_start_s : float
+        Beginning of the step [s].
+    reference_m : float
+        Reference r [m].
+    residual_peak_to_peak_m : float or None
+        Peak to peak of q3 over the last 3 s [m].
+    bias_m : float or None
+        Mean of q3 over the last 3 s minus r [m].
+    bias_percent_of_amplitude : float or None
+        The bias, with its sign, as percent of the height of the step.
+    settling_time_s : float or None
+        Time from the beginning of the step after which q3 stays within 2 % of the height around
+        its mean over the last 3 s. None when it still leaves that band in the last third of
+        those 3 s: then nothing shows that it will stay.
+    limit_cycle : bool or None
+        True when q3 oscillates in the last 3 s with more than 1 % of the height peak to peak and
+        does not decay; see :func:`bdt_analysis.metrics.oscillation.find_oscillation`.
+    limit_cycle_amplitude_m : float or None
+        Half of the peak to peak of that oscillation [m]; None without a limit cycle.
+    limit_cycle_frequency_hz : float or None
+        Its frequency [Hz]; None without a limit cycle.
+
+    Notes
+    -----
+    For steps shorter than 6 s, the last half takes the place of the last 3 s. None stands where a
+    value is unknown: everywhere for a last step that is cut short by the end of the recording.
+    """
+
+    t_start_s: float
+    reference_m: float
+    residual_peak_to_peak_m: float | None
+    bias_m: float | None
+    bias_percent_of_amplitude: float | None
+    settling_time_s: float | None
+    limit_cycle: bool | None
+    limit_cycle_amplitude_m: float | None = None
+    limit_cycle_frequency_hz: float | None = None
+
+
+def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: float) -> StepSummary:
+    """Return the numbers of one step.
+
+    Parameters
+    ----------
+    step : ReferenceStep
+        The step.
+    telemetry : ndarray, shape (n, 3)
+        Rows of (t [s], u [V], q3 [m]) of the whole run.
+    sample_time : float
+        Sample time of the telemetry [s].
+    """
+    time, position = telemetry[:, 0], telemetry[:, 2]
+    # Half a sample of room: stamps and sample times are rounded differently.
+    edges = np.array([step.t_start, step.t_end - step.window, step.t_end]) - 0.5 * sample_time
+    first, window, end = (int(index) for index in np.searchsorted(time, edges))
+    if step.cut or end - window < 2:
+        return StepSummary(step.t_start, step.reference, None, None, None, None, None)
+    tail = position[window:end]
+    bias = float(tail.mean()) - step.reference
+    judged = step.window >= SHORTEST_JUDGED
+    settling = None
+    if judged and step.height is not None:
+        settling = settling_time(
+            time[first:end] - step.t_start,
+            position[first:end],
+            float(tail.mean()),
+            SETTLING_BAND * step.height,
+            step.length - step.window / 3,
+        )
+    cycle = has_limit_cycle(tail, sample_time, step.scale) if judged else None
+    return StepSummary(
+        t_start_s=step.t_start,
+        reference_m=step.reference,
+        residual_peak_to_peak_m=float(np.ptp(tail)),
+        bias_m=bias,
+        bias_percent_of_amplitude=100 * bias / step.height if step.height else None,
+        settling_time_s=settling,
+        limit_cycle=cycle,
+        limit_cycle_amplitude_m=0.5 * oscillation_peak_to_peak(tail, sample_time)
+        if cycle
+        else None,
+        limit_cycle_frequency_hz=oscillation_frequency(tail, sample_time) if cycle else None,
+    )
+
+
+def settling_time(
+    time: FloatArray, position: FloatArray, final: float, band: float, latest: float
+) -> float | None:
+    """Return when a position comes within a band for good.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Time since the beginning of the step [s].
+    position : ndarray, shape (n,)
+        Position [m].
+    final : float
+        Middle of the band [m].
+    band : float
+        Half of its width [m].
+    latest : float
+        Time after which the band must not be left any more [s].
+
+    Returns
+    -------
+    float or None
+        Time of the first sample of the last stay within the band [s]; None if that is not before
+        `latest`.
+    """
+    outside = np.flatnonzero(np.abs(position - final) > band)
+    if not outside.size:
+        return 0.0
+    last = int(outside[-1])
+    if time[last] > latest or last + 1 == time.size:
+        return None
+    return float(time[last + 1])
+
+
+def has_limit_cycle(position: FloatArray, sample_time: float, height: float | None) -> bool | None:
+    """Tell whether the end of a step is a limit cycle; None without a height to compare with.
+
+    Parameters
+    ----------
+    position : ndarray, shape (n,)
+        Position q3 over the window at the end of the step [m].
+    sample_time : float
+        Sample time [s].
+    height : float or None
+        Height of the step [m].
+    """
+    if height is None:
+        return None
+    sustained = find_oscillation(position, sample_time).sustained
+    return (
+        sustained
+        and oscillation_peak_to_peak(position, sample_time) > LIMIT_CYCLE_THRESHOLD * height
+    )
+
+
+def oscillation_peak_to_peak(position: FloatArray, sample_time: float) -> float:
+    """Return the peak to peak of an oscillation [m], without drift and noise.
+
+    Parameters
+    ----------
+    position : ndarray, shape (n,)
+        Position q3 over the window at the end of the step [m].
+    sample_time : float
+        Sample time [s].
+    """
+    amplitude = find_oscillation(position, sample_time).amplitude
+    peak_to_peak = float(np.ptp(position))
+    # Smoothing takes a little from the peaks; with noise or drift it takes more, and should.
+    return peak_to_peak if amplitude >= CLEAN * peak_to_peak else amplitude

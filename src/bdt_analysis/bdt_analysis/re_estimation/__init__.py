@@ -1,0 +1,1 @@
+"""The gap estimated again from a recording, with any estimator and settings."""

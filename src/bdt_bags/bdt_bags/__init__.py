@@ -1,0 +1,1 @@
+"""Bags of the loop: reading, writing, recovery, and the recorder node."""

@@ -1,0 +1,169 @@
+"""Positions of joints in a bag: references, estimates, and the dead zones asked for with them."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_bags.bag_error import BagError
+from bdt_bags.reading.bag_reader import RawBag, decode
+from bdt_bags.reading.sample_rows import LARGEST_VALUE
+from bdt_msgs_py.reading import read_position
+from bdt_msgs_py.topics import (
+    BACKLASH_ESTIMATE,
+    DEAD_ZONE_JOINT,
+    GAP_AGE_JOINT,
+    GAP_JOINT,
+    Topic,
+)
+
+FloatArray = NDArray[np.float64]
+Clock = Callable[[Sequence[int], Sequence[int]], FloatArray]
+"""Turns stamps and receive times [ns] into times on the clock of the telemetry [s]."""
+
+
+def joint_positions(
+    bag: RawBag, topic: Topic, joint: str, clock: Clock, *, optional: bool = False
+) -> FloatArray:
+    """Return rows of (time [s], position) of a joint in the order of time.
+
+    Parameters
+    ----------
+    bag : RawBag
+        The bag.
+    topic : Topic
+        Where the joint stands.
+    joint : str
+        Its name.
+    clock : callable
+        See :data:`Clock`.
+    optional : bool
+        Whether messages without the joint are left out.
+
+    Returns
+    -------
+    ndarray, shape (k, 2)
+        Rows of (time [s], position [m or rad]); those that are not finite are left out.
+
+    Raises
+    ------
+    BagError
+        If a message contradicts itself, or lacks a joint that is not optional.
+    """
+
+    def read(message: Any) -> tuple[int, float] | None:
+        if optional and joint not in message.name:
+            return None
+        return read_position(message, joint)
+
+    rows = _rows(bag, topic, read, clock)
+    if not len(rows):
+        return np.empty((0, 2))
+    return rows[np.argsort(rows[:, 0], kind="stable")]
+
+
+def dead_zone_requests(bag: RawBag, clock: Clock) -> FloatArray:
+    """Return the dead zones that the twin asked for, as it tells them with its estimates.
+
+    Parameters
+    ----------
+    bag : RawBag
+        The bag.
+    clock : callable
+        See :data:`Clock`.
+
+    Returns
+    -------
+    ndarray, shape (k, 4)
+        See :class:`bdt_bags.run_signals.RunSignals`.
+
+    Raises
+    ------
+    BagError
+        If a message contradicts itself.
+    """
+    rows = _rows(bag, BACKLASH_ESTIMATE, _read_request, clock)
+    if not len(rows):
+        return np.empty((0, 4))
+    times, ages, tolerances, gaps = rows.T
+    requests: FloatArray = np.stack([times + ages, tolerances, times, gaps], axis=1)
+    return requests[np.argsort(requests[:, 0], kind="stable")]
+
+
+def held_gaps(bag: RawBag, clock: Clock) -> FloatArray:
+    """Return which gap the twin held from when on.
+
+    Parameters
+    ----------
+    bag : RawBag
+        The bag.
+    clock : callable
+        See :data:`Clock`.
+
+    Returns
+    -------
+    ndarray, shape (k, 2)
+        See :class:`bdt_bags.run_signals.RunSignals`.
+
+    Raises
+    ------
+    BagError
+        If a message contradicts itself.
+    """
+
+    def read(message: Any) -> tuple[int, float, float]:
+        stamp, gap = read_position(message, GAP_JOINT)
+        return stamp, _age(message), gap
+
+    rows = _rows(bag, BACKLASH_ESTIMATE, read, clock)
+    if not len(rows):
+        return np.empty((0, 2))
+    times, ages, gaps = rows.T
+    held: FloatArray = np.stack([times + ages, gaps], axis=1)
+    return held[np.argsort(held[:, 0], kind="stable")]
+
+
+def _read_request(message: Any) -> tuple[int, float, float, float] | None:
+    """Return stamp [ns], age [s], tolerance [m] and gap [rad]; None if nothing was asked for."""
+    if DEAD_ZONE_JOINT not in message.name:
+        return None
+    stamp, gap = read_position(message, GAP_JOINT)
+    return stamp, _age(message), read_position(message, DEAD_ZONE_JOINT)[1], gap
+
+
+def _age(message: Any) -> float:
+    """Return the age [s]: whoever does not tell it states the gap for the newest sample."""
+    return read_position(message, GAP_AGE_JOINT)[1] if GAP_AGE_JOINT in message.name else 0.0
+
+
+def _rows(
+    bag: RawBag,
+    topic: Topic,
+    read: Callable[[Any], tuple[int, *tuple[float, ...]] | None],
+    clock: Clock,
+) -> FloatArray:
+    """Return rows of (time [s], numbers) in the order of the bag; only finite ones.
+
+    `read` turns a message into (stamp [ns], numbers), or into None to leave it out.
+    """
+    raw = bag.topics.get(topic)
+    if raw is None:
+        return np.empty((0, 0))
+    stamps, received, rows = [], [], []
+    for number, message in enumerate(decode(bag.path, raw)):
+        try:
+            row = read(message)
+        except ValueError as error:
+            raise BagError(f"bag {bag.path}: message {number} of {raw.name}: {error}") from None
+        if row is not None:
+            stamps.append(row[0])
+            received.append(raw.received[number])
+            rows.append(row[1:])
+    if not rows:
+        return np.empty((0, 0))
+    values = np.array(rows)
+    times = clock(stamps, received)
+    kept = (np.abs(values) < LARGEST_VALUE).all(axis=1)  # the nodes ignore what is not finite
+    found: FloatArray = np.column_stack([times, values])[kept]
+    return found

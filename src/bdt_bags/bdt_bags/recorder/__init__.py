@@ -1,0 +1,1 @@
+"""The recorder node: what it takes and how its bag describes it."""

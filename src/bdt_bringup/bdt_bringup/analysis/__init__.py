@@ -1,1 +1,0 @@
-"""What a run was like: numbers for each step, figures, report."""

@@ -1,0 +1,206 @@
+"""Configurations: ordinary ROS parameter files, checked before any process is started.
+
+A node started with ``ros2 run`` checks its own parameters; here all nodes of a file are checked at
+once, with the file's name in the message and no process to clean up.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from bdt_bringup.installed import parameter_table
+from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.parameter_files import PARAMETERS_KEY, is_for
+from bdt_msgs_py.parameter_tables import (
+    check_value,
+    full_name,
+    known_parameters,
+    parameter_sets,
+    suggestion,
+)
+from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
+
+CONFIGURED_NODES = (PLANT_NODE, CONTROLLER_NODE, TWIN_NODE)
+"""Nodes whose parameters a configuration sets; the recorder's are options of ``bdt run``."""
+
+_ROS_PARAMETERS = {"use_sim_time": False, "start_type_description_service": True}
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """A parameter file that was checked.
+
+    Attributes
+    ----------
+    path : Path or None
+        The file; None for the defaults alone.
+    values : dict
+        For each node the values by flat parameter name, as far as the file sets them.
+    configured : frozenset of str
+        Nodes for which the file has a section.
+    namespace : str
+        Namespace of the nodes, for example ``/left``; "" for that of the root.
+    """
+
+    path: Path | None
+    values: dict[str, dict[str, Any]]
+    configured: frozenset[str] = frozenset()
+    namespace: str = ""
+
+    @property
+    def name(self) -> str:
+        """Short name for output folders and titles."""
+        return self.path.stem if self.path else "default"
+
+    def value(self, node: str, parameter: str) -> Any:
+        """Return a value in force: the file's, else the default."""
+        if parameter in self.values[node]:
+            return self.values[node][parameter]
+        return known_parameters(parameter_table(node))[parameter][0]
+
+
+def packaged_configurations() -> dict[str, Path]:
+    """Return the configurations that are installed with this package, by name."""
+    folder = Path(str(files("bdt_bringup") / "config"))
+    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+
+
+def find_configuration(name: str | None) -> Path | None:
+    """Return the file of a configuration.
+
+    Parameters
+    ----------
+    name : str or None
+        A file, or the name of a packaged configuration; a file of that very name comes first.
+        None for the defaults.
+
+    Returns
+    -------
+    Path or None
+        The file, which may be missing; None for the defaults.
+
+    Raises
+    ------
+    BadInputError
+        For what is neither a file nor a packaged configuration.
+    """
+    if name is None:
+        return None
+    packaged = packaged_configurations()
+    path = Path(name)
+    if path.is_file() or (name not in packaged and (path.suffix or path.parent != Path())):
+        return path
+    if name not in packaged:
+        raise BadInputError(
+            f"--config {name}: is no file, and no packaged configuration: must be one of "
+            f"{', '.join(packaged)}{suggestion(name, packaged)}"
+        )
+    return packaged[name]
+
+
+def load_configuration(path: Path | None, namespace: str = "") -> Configuration:
+    """Read and check a ROS parameter file.
+
+    Parameters
+    ----------
+    path : Path or None
+        The file; None for the defaults.
+    namespace : str
+        Namespace of the nodes, for example ``/left``; sections for nodes elsewhere are checked,
+        but their values are not used.
+
+    Raises
+    ------
+    BadInputError
+        With one line that names the file, the key, the value and what is allowed.
+    """
+    values: dict[str, dict[str, Any]] = {node: {} for node in CONFIGURED_NODES}
+    if path is None:
+        return Configuration(None, values, namespace=namespace)
+    sections = _sections(path)
+    configured = _configured(sections, namespace, path)
+    for section, parameters in sections.items():
+        for node in _nodes_of(section, path):
+            used = values[node] if is_for(section, f"{namespace}/{node}") else {}
+            known = known_parameters(parameter_table(node))
+            for name, value in _flat(parameters):
+                if name in known:
+                    check_value(f"{path}: {section}: {name}", value, *known[name])
+                elif name not in _ROS_PARAMETERS and not name.startswith("qos_overrides."):
+                    if section.endswith("*"):
+                        continue
+                    raise BadInputError(
+                        f"{path}: {section}: {name} = {value!r}: is not a parameter of this node"
+                        f"{suggestion(name, known)}"
+                    )
+                used[name] = value
+    configuration = Configuration(path, values, configured, namespace)
+    for node in CONFIGURED_NODES:
+        try:
+            parameter_sets(parameter_table(node), configuration.values[node])
+        except ValueError as error:
+            raise BadInputError(f"{path}: {node}: {error}") from error
+    return configuration
+
+
+def _configured(sections: Iterable[str], namespace: str, path: Path) -> frozenset[str]:
+    """Return the nodes for which there is a section; refuse sections for others of their names."""
+    found = set()
+    for node in CONFIGURED_NODES:
+        full_name = f"{namespace}/{node}"
+        named = [section for section in sections if node in _nodes_of(section, path)]
+        if any(is_for(section, full_name) for section in named):
+            found.add(node)
+        elif named:
+            raise BadInputError(
+                f"{path}: {', '.join(named)}: holds nothing for {full_name}; a section "
+                f"/**/{node} is for this node in any namespace"
+            )
+    return frozenset(found)
+
+
+def _sections(path: Path) -> dict[str, dict[str, Any]]:
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInputError(f"configuration {path}: cannot be read: {_reason(error)}") from error
+    except yaml.YAMLError as error:
+        raise BadInputError(f"configuration {path}: is not YAML: {_reason(error)}") from error
+    if not isinstance(document, dict) or not document:
+        raise BadInputError(f"configuration {path}: must be a ROS parameter file with nodes")
+    sections = {}
+    for section, content in document.items():
+        if not isinstance(content, dict) or set(content) != {PARAMETERS_KEY}:
+            raise BadInputError(f"{path}: {section}: must hold the key {PARAMETERS_KEY}, only")
+        sections[str(section)] = content[PARAMETERS_KEY] or {}
+    return sections
+
+
+def _reason(error: Exception) -> str:
+    text = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    return " ".join(text.split())
+
+
+def _nodes_of(section: str, path: Path) -> list[str]:
+    name = section.rsplit("/", 1)[-1]
+    if name in CONFIGURED_NODES:
+        return [name]
+    if name in ("*", "**"):
+        return list(CONFIGURED_NODES)
+    raise BadInputError(
+        f"{path}: {section}: is not a node, must be one of {', '.join(CONFIGURED_NODES)}"
+    )
+
+
+def _flat(parameters: Any, prefix: str = "") -> list[tuple[str, Any]]:
+    if not isinstance(parameters, dict):
+        return [(prefix, parameters)]
+    return [
+        item
+        for name, value in parameters.items()
+        for item in _flat(value, full_name(prefix, str(name)))
+    ]

@@ -1,0 +1,169 @@
+"""Runs the loop: starts the nodes, watches them, stops everything, in one or many processes."""
+
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+
+from bdt_bringup.installed import node_class, node_module
+from bdt_bringup.monitor import MonitorNode
+from bdt_bringup.node_process import NodeProcess, stop_all
+from bdt_bringup.progress_display import ProgressDisplay
+from bdt_bringup.run_plan import RunPlan
+from bdt_msgs_py.command_errors import BAD_INPUT, BadInputError, LoopError
+from bdt_msgs_py.folder_sync import create_folder
+from bdt_msgs_py.loop_namespace import namespace_arguments
+from bdt_msgs_py.node_parameters import ConfigurationError
+from bdt_msgs_py.spinning import drain_messages
+from bdt_msgs_py.stop_signals import StopSignals
+from bdt_msgs_py.topics import PLANT_NODE, RECORDER_NODE
+
+REFRESH = 0.1
+"""Wall time [s] between two looks at the nodes and two updates of the progress bar."""
+
+
+def run_loop(plan: RunPlan) -> float | None:
+    """Run the loop to its end.
+
+    Parameters
+    ----------
+    plan : RunPlan
+        What to start.
+
+    Returns
+    -------
+    float or None
+        Simulated seconds per second of wall time; None of a run so short that nobody saw it.
+
+    Raises
+    ------
+    BadInputError
+        If another loop runs in the same namespace of the same ROS domain, or a node refuses its
+        parameters.
+    LoopError
+        If a node ended before its time; the text says which one and what it said last.
+    KeyboardInterrupt
+        After Ctrl-C or SIGTERM, when all nodes have been stopped.
+    """
+    create_folder(plan.output)
+    context = Context()
+    try:
+        rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
+    except RuntimeError as error:
+        raise BadInputError(" ".join(str(error).split())) from error
+    executor = SingleThreadedExecutor(context=context)
+    names = namespace_arguments(plan.configuration.namespace)
+    monitor = MonitorNode(context=context, cli_args=["--ros-args", *names])
+    executor.add_node(monitor)
+    try:
+        with StopSignals() as signals:
+            _refuse_second_loop(executor, monitor)
+            with ProgressDisplay(plan.configuration.name, plan.duration) as display:
+                if plan.processes == "single":
+                    _run_in_this_process(plan, context, executor, monitor, display, signals)
+                else:
+                    _run_in_processes(plan, executor, monitor, display, signals)
+        return monitor.real_time_factor()
+    finally:
+        executor.shutdown()
+        monitor.destroy_node()
+        context.try_shutdown()
+
+
+def _refuse_second_loop(executor: SingleThreadedExecutor, monitor: MonitorNode) -> None:
+    # Discovery of what already runs on this machine takes a few hundredths of a second.
+    executor.spin_until_future_complete(Future(), timeout_sec=3 * REFRESH)
+    namespace = monitor.get_namespace()
+    if (PLANT_NODE, namespace) in monitor.get_node_names_and_namespaces():
+        raise BadInputError(
+            f"{namespace.rstrip('/')}/{PLANT_NODE} already runs in this ROS domain: stop it, or "
+            "choose another --namespace or ROS_DOMAIN_ID"
+        )
+
+
+def _run_in_processes(
+    plan: RunPlan,
+    executor: SingleThreadedExecutor,
+    monitor: MonitorNode,
+    display: ProgressDisplay,
+    signals: StopSignals,
+) -> None:
+    logs = plan.output / "log"
+    logs.mkdir()
+    running: list[NodeProcess] = []
+    try:
+        for name in plan.nodes:
+            log = logs / f"{name}.log"
+            running += [NodeProcess(name, node_module(name), plan.ros_arguments(name), log)]
+        plant = running[-1]
+        while plant.exit_code is None:
+            executor.spin_once(timeout_sec=REFRESH)
+            display.show(monitor)
+            signals.check()
+            _raise_for_ended_node([process for process in running if process is not plant])
+        if plant.exit_code != 0:
+            _raise_for_ended_node(running)
+    finally:
+        stop_all(running)
+    _raise_for_ended_node([process for process in running if process.exit_code != 0])
+
+
+def _raise_for_ended_node(processes: list[NodeProcess]) -> None:
+    """Raise for a process that has ended, preferably one that a signal ended.
+
+    A node that dies takes others along: the plant gives up when nobody answers.
+    """
+    ended = [process for process in processes if process.exit_code is not None]
+    if not ended:
+        return
+    culprit = min(ended, key=lambda process: process.exit_code or 0)
+    said = " | ".join(culprit.last_lines())
+    text = f"node {culprit.name}: {culprit.describe_end()}" + (f": {said}" if said else "")
+    raise BadInputError(text) if culprit.exit_code == BAD_INPUT else LoopError(text)
+
+
+def _run_in_this_process(
+    plan: RunPlan,
+    context: Context,
+    executor: SingleThreadedExecutor,
+    monitor: MonitorNode,
+    display: ProgressDisplay,
+    signals: StopSignals,
+) -> None:
+    nodes: dict[str, Any] = {}
+    try:
+        for name in plan.nodes:
+            nodes[name] = _create_node(plan, name, context)
+            executor.add_node(nodes[name])
+        finished = nodes[PLANT_NODE].finished
+        while not finished.done():
+            executor.spin_until_future_complete(finished, timeout_sec=REFRESH)
+            display.show(monitor)
+            signals.check()
+        finished.result()
+    finally:
+        recorder = nodes.pop(RECORDER_NODE, None)
+        for node in nodes.values():
+            executor.remove_node(node)
+            node.destroy_node()
+        if recorder is not None:
+            # What the others said last is still in its queues.
+            drain_messages(executor, recorder)
+            executor.remove_node(recorder)
+            try:
+                recorder.close_bag()
+            finally:
+                recorder.destroy_node()
+
+
+def _create_node(plan: RunPlan, name: str, context: Context) -> Node:
+    arguments = ["--ros-args", *plan.ros_arguments(name)]
+    try:
+        node: Node = node_class(name)(context=context, cli_args=arguments)
+    except ConfigurationError as error:
+        raise BadInputError(f"node {name}: {error}") from error
+    return node

@@ -1,0 +1,123 @@
+"""What `bdt run` starts: nodes with their ROS arguments, folders, durations."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Literal
+
+from bdt_bringup.configuration import Configuration
+from bdt_bringup.installed import PACKAGE_OF_NODE, missing_packages
+from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.loop_namespace import namespace_arguments
+from bdt_msgs_py.parameter_tables import ros_arguments
+from bdt_msgs_py.topics import PLANT_NODE, RECORDER_NODE, TWIN_NODE
+
+DEFAULT_DURATION = 120.0
+"""Simulated time of the paper's scenario [s], for a configuration that sets none."""
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """A run of the loop.
+
+    Attributes
+    ----------
+    configuration : Configuration
+        The parameter file.
+    mode : str
+        ``lockstep`` or ``realtime``.
+    duration : float
+        Simulated time [s].
+    processes : str
+        ``separate`` or ``single``.
+    output : Path
+        Folder of the run: bag, logs, report.
+    recorder : mapping of str, or None
+        The recorder's parameters, save where the bag is: a matter of `output`. None records
+        nothing.
+    """
+
+    configuration: Configuration
+    mode: str
+    duration: float
+    processes: Literal["separate", "single"]
+    output: Path
+    recorder: Mapping[str, Any] | None
+
+    @property
+    def record(self) -> bool:
+        """Whether a bag is written."""
+        return self.recorder is not None
+
+    @property
+    def bag(self) -> Path:
+        """Folder of the bag."""
+        return self.output / "bag"
+
+    @property
+    def nodes(self) -> list[str]:
+        """Names of the nodes in the order of their start."""
+        return [name for name in PACKAGE_OF_NODE if self.record or name != RECORDER_NODE]
+
+    def ros_arguments(self, node: str) -> list[str]:
+        """Return what follows ``--ros-args`` on the command line of `node`."""
+        arguments = namespace_arguments(self.configuration.namespace)
+        if node in self.configuration.configured:
+            arguments += ["--params-file", str(self.configuration.path)]
+        return [*arguments, *ros_arguments(self._overrides(node))]
+
+    def _overrides(self, node: str) -> dict[str, Any]:
+        if node == PLANT_NODE:
+            followers = [name for name in (TWIN_NODE, RECORDER_NODE) if name in self.nodes]
+            return {
+                "mode": self.mode,
+                "duration": self.duration,
+                "lockstep_followers": followers,
+            }
+        if node == RECORDER_NODE:
+            return {**(self.recorder or {}), "bag": str(self.bag)}
+        return {"use_sim_time": True}
+
+
+def plan_run(
+    configuration: Configuration,
+    *,
+    mode: str | None,
+    duration: float | None,
+    processes: Literal["separate", "single"],
+    output: Path | None,
+    recorder: Mapping[str, Any] | None,
+) -> RunPlan:
+    """Return a checked plan; what is None comes from the configuration.
+
+    Raises
+    ------
+    BadInputError
+        For a duration that is not positive, an output folder that already holds something, or a
+        node that is not installed.
+    """
+    chosen = duration
+    if chosen is None:
+        chosen = configuration.value(PLANT_NODE, "duration") or DEFAULT_DURATION
+    if not 0 < chosen <= 1e9:
+        raise BadInputError(f"--duration {chosen!r} s: must be above 0 and at most 1e9")
+    if output is None:
+        begun = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
+        name = f"{configuration.name}{configuration.namespace.replace('/', '-')}"
+        output = Path("runs") / f"{begun}-{name}"
+    if output.exists() and (not output.is_dir() or any(output.iterdir())):
+        raise BadInputError(
+            f"--output {output}: already holds a run, must be a new or empty folder"
+        )
+    plan = RunPlan(
+        configuration=configuration,
+        mode=mode or configuration.value(PLANT_NODE, "mode"),
+        duration=float(chosen),
+        processes=processes,
+        output=output,
+        recorder=recorder,
+    )
+    if missing := missing_packages(plan.nodes):
+        raise BadInputError(f"bdt run: needs the package {' and '.join(missing)}, install it")
+    return plan

@@ -1,1 +1,0 @@
-"""Starting the nodes, watching them, recording what they say."""

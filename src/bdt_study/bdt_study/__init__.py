@@ -1,0 +1,1 @@
+"""The loop offline: simulation, design, limit cycles, the paper again, evaluation, benchmarks."""

@@ -1,0 +1,67 @@
+"""What a benchmark is asked and what it answers."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class BenchmarkSize:
+    """How much is computed.
+
+    Attributes
+    ----------
+    duration : float
+        Simulated time of the scenario [s].
+    python_control_duration : float
+        Simulated time that python-control is given [s]; its time is scaled to `duration`.
+    repeats : int
+        Number of runs behind each median.
+    batch : int
+        Number of scenarios of a batch for each core.
+    messages : int
+        Number of messages of a transport benchmark.
+    loop_duration : float
+        Simulated time of the loop of the nodes [s].
+    """
+
+    duration: float = 120.0
+    python_control_duration: float = 1.0
+    repeats: int = 21
+    batch: int = 16
+    messages: int = 10000
+    loop_duration: float = 20.0
+
+
+@dataclass(frozen=True)
+class BenchmarkResult:
+    """One number beside its reference.
+
+    Attributes
+    ----------
+    name : str
+        Name of the benchmark.
+    value : float
+        What was measured.
+    unit : str
+        Unit of `value` and `reference_value`.
+    reference : str
+        What it is compared with, or why not.
+    reference_value : float or None
+        What was measured of the reference in the same run; None if there is none.
+    ratio : float or None
+        `value` divided by `reference_value`.
+    """
+
+    name: str
+    value: float
+    unit: str
+    reference: str
+    reference_value: float | None = None
+    ratio: float | None = None
+
+
+def compared(
+    name: str, value: float, unit: str, reference: str, reference_value: float
+) -> BenchmarkResult:
+    """Return a result with its ratio."""
+    ratio = value / reference_value
+    return BenchmarkResult(name, value, unit, reference, reference_value, ratio)

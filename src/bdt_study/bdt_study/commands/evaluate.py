@@ -1,0 +1,48 @@
+"""The command ``bdt evaluate``: estimators on random scenarios."""
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from bdt_msgs_py.commands import Command
+
+RUNS = 10
+"""Runs of each case and estimator unless more are asked for."""
+
+
+def _add_arguments(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--estimator",
+        action="append",
+        metavar="KIND",
+        help="inverse_filter, output_error or module:name; may be repeated (default: both)",
+    )
+    parser.add_argument(
+        "--cases",
+        nargs="+",
+        metavar="CASE",
+        help="clean, laboratory, harsh and more, which the table lists (default: all)",
+    )
+    parser.add_argument(
+        "--runs", type=int, metavar="N", default=RUNS, help=f"runs of each (default: {RUNS})"
+    )
+    parser.add_argument(
+        "--seed", type=int, metavar="N", default=0, help="number of the first scenario (default: 0)"
+    )
+    parser.add_argument("--figure", type=Path, metavar="FILE", help="picture of the errors")
+    parser.add_argument("--json", action="store_true", help="print the table as JSON")
+
+
+def _evaluate(options: Namespace) -> int:
+    # The list of commands needs neither numba nor a plotting library.
+    from bdt_study.evaluation.evaluate import evaluate  # noqa: PLC0415
+
+    return evaluate(options)
+
+
+COMMAND = Command(
+    summary="compare estimators on data like a laboratory's",
+    description="Run random scenarios in closed loop with each estimator and state errors, "
+    "coverage of the stated uncertainty, limit cycles, bias and processor time.",
+    add_arguments=_add_arguments,
+    run=_evaluate,
+)

@@ -1,0 +1,150 @@
+"""The command ``bdt evaluate``: estimators on random scenarios, as a table, JSON and a figure."""
+
+import argparse
+import json
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
+from multiprocessing import get_context
+from os import cpu_count
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from bdt_msgs_py.command_errors import BadInputError
+from bdt_plant.plant import PlantModel
+from bdt_study.evaluation.cases import CASES, Case
+from bdt_study.evaluation.outcome import CaseOutcome, summarize_trials
+from bdt_study.evaluation.trial import Trial, run_trial
+from bdt_twin.estimator_choice import KINDS, EstimatorChoice, create_estimator
+from bdt_twin.inverse_filter import InverseFilterSettings
+from bdt_twin.output_error_settings import OutputErrorSettings
+
+
+def evaluate(options: argparse.Namespace) -> int:
+    """Run the command and return its exit code."""
+    cases = [_case(name) for name in options.cases] if options.cases else list(CASES)
+    kinds = [_kind(kind) for kind in options.estimator or KINDS]
+    if options.runs < 1 or options.seed < 0:
+        raise BadInputError(
+            f"--runs {options.runs} --seed {options.seed}: must be at least 1 and at least 0"
+        )
+    if options.figure is not None and options.figure.suffix not in (".png", ".svg", ".pdf"):
+        raise BadInputError(f"--figure {options.figure}: must end with .png, .svg or .pdf")
+    seeds = range(options.seed, options.seed + options.runs)
+    trials = run_trials(cases, kinds, seeds)
+    outcomes = [
+        summarize_trials(case.name, kind, trials[case.name, kind])
+        for case in cases
+        for kind in kinds
+    ]
+    if options.figure is not None:
+        # Nothing else here needs the plotting library.
+        from bdt_study.evaluation.figure import error_figure  # noqa: PLC0415
+
+        options.figure.parent.mkdir(parents=True, exist_ok=True)
+        error_figure(trials).savefig(options.figure)
+    if options.json:
+        print(json.dumps({"cases": [asdict(outcome) for outcome in outcomes]}, indent=2))
+    else:
+        Console().print(outcome_table(outcomes))
+    return 0
+
+
+def run_trials(
+    cases: Sequence[Case], kinds: Sequence[str], seeds: Sequence[int]
+) -> dict[tuple[str, str], list[Trial]]:
+    """Run all trials on all cores, with a progress bar on standard error.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        Conditions.
+    kinds : sequence of str
+        Estimators.
+    seeds : sequence of int
+        Numbers of the scenarios, the same ones for every case and estimator.
+
+    Returns
+    -------
+    dict
+        Trials in the order of the seeds, for each (name of the case, estimator).
+    """
+    jobs = [(case, kind, seed) for seed in seeds for case in cases for kind in kinds]
+    results = dict(_finished(jobs))
+    return {
+        (case.name, kind): [results[case.name, kind, seed] for seed in seeds]
+        for case in cases
+        for kind in kinds
+    }
+
+
+def _finished(jobs: list[tuple[Case, str, int]]) -> Iterator[tuple[tuple[str, str, int], Trial]]:
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    progress = Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True))
+    # Not forked: the compiled kernels bring threads of their own.
+    pool = ProcessPoolExecutor(cpu_count(), mp_context=get_context("spawn"))
+    with progress, pool:
+        task = progress.add_task("closed-loop runs", total=len(jobs))
+        running = {pool.submit(run_trial, *job): job for job in jobs}
+        try:
+            for future in as_completed(running):
+                case, kind, seed = running[future]
+                yield (case.name, kind, seed), future.result()
+                progress.advance(task)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:
+    """Return the outcomes as a table for the terminal."""
+    table = Table(title=f"gap estimates in closed loop, {outcomes[0].runs} random runs each")
+    table.add_column("case", no_wrap=True)
+    table.add_column("estimator", no_wrap=True)
+    for name in (
+        "rms error [deg]",
+        "worst [deg]",
+        "95 % covers [%]",
+        "x CRB",
+        "no limit cycle [%]",
+        "bias < 2 % [%]",
+        "window [ms]",
+    ):
+        table.add_column(name, justify="right")
+    for row in outcomes:
+        table.add_row(
+            row.case,
+            row.estimator,
+            _text(row.rms_error_deg, ".2g"),
+            _text(row.worst_error_deg, ".2g"),
+            _text(row.coverage_95, ".0f"),
+            _text(row.crb_ratio, ".1f"),
+            _text(row.limit_cycle_free_percent, ".0f"),
+            _text(row.bias_under_2_percent, ".0f"),
+            _text(row.window_ms, ".0f"),
+        )
+    return table
+
+
+def _text(value: float | None, form: str) -> str:
+    return "-" if value is None else f"{value:{form}}"
+
+
+def _case(name: str) -> Case:
+    for case in CASES:
+        if case.name == name:
+            return case
+    raise BadInputError(f"case {name!r}: must be one of {', '.join(case.name for case in CASES)}")
+
+
+def _kind(kind: str) -> str:
+    """Return the estimator's name if there is such an estimator."""
+    try:
+        create_estimator(
+            EstimatorChoice(kind), PlantModel(), InverseFilterSettings(), OutputErrorSettings()
+        )
+    except ValueError as error:
+        raise BadInputError(str(error)) from error
+    return kind

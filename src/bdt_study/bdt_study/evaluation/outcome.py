@@ -1,0 +1,82 @@
+"""The trials of one case and one estimator as one row of the table."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bdt_analysis.metrics.gap_estimates import interval_coverage
+from bdt_study.evaluation.trial import Trial
+from bdt_study.reproduction.claims import LARGEST_BIAS
+
+
+@dataclass(frozen=True)
+class CaseOutcome:
+    """One row; the fields of an entry of ``cases`` in the JSON output.
+
+    Attributes
+    ----------
+    case, estimator : str
+        What was evaluated.
+    rms_error_deg, worst_error_deg : float or None
+        Error of the estimates over all runs [deg]; None when there were none.
+    coverage_95 : float or None
+        Share of the estimates [%] whose stated 95 % interval holds the true gap; None for an
+        estimator that states none.
+    crb_ratio : float or None
+        Rms error over the rms Cramér-Rao bound, at the ends of the steps; None where the model is
+        not exact or there is no noise.
+    limit_cycle_free_percent : float
+        Share of the runs without a limit cycle [%].
+    bias_under_2_percent : float
+        Share of the runs whose worst bias is below 2 % of the amplitude [%].
+    window_ms : float or None
+        Median of the processor time of an estimate [ms].
+    runs : int
+        Number of runs.
+    """
+
+    case: str
+    estimator: str
+    rms_error_deg: float | None
+    worst_error_deg: float | None
+    coverage_95: float | None
+    crb_ratio: float | None
+    limit_cycle_free_percent: float
+    bias_under_2_percent: float
+    window_ms: float | None
+    runs: int
+
+
+def summarize_trials(case: str, estimator: str, trials: Sequence[Trial]) -> CaseOutcome:
+    """Return the row of a case and an estimator.
+
+    Parameters
+    ----------
+    case, estimator : str
+        What was evaluated.
+    trials : sequence of Trial
+        Its runs, at least one.
+    """
+    errors = np.concatenate([trial.errors for trial in trials])
+    sigmas = np.concatenate([trial.uncertainties for trial in trials])
+    bounds = np.concatenate([trial.bounds for trial in trials])
+    at_bounds = np.concatenate([trial.bound_errors for trial in trials])
+    times = np.concatenate([trial.window_times for trial in trials])
+    return CaseOutcome(
+        case,
+        estimator,
+        math.degrees(_rms(errors)) if errors.size else None,
+        math.degrees(float(np.abs(errors).max())) if errors.size else None,
+        interval_coverage(errors, sigmas),
+        _rms(at_bounds) / _rms(bounds) if bounds.size else None,
+        100.0 * float(np.mean([trial.limit_cycles == 0 for trial in trials])),
+        100.0 * float(np.mean([trial.worst_bias < LARGEST_BIAS for trial in trials])),
+        1e3 * float(np.median(times)) if times.size else None,
+        len(trials),
+    )
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,177 @@
+"""One closed-loop run with an estimator in it: how far off it was, and what became of the loop."""
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_analysis.metrics.reference_steps import find_steps
+from bdt_analysis.metrics.step_analysis import summarize_step
+from bdt_controller.reference import ReferenceProfile, reference_at
+from bdt_plant.gap_profile import GapProfile, gap_at
+from bdt_plant.plant import PlantModel
+from bdt_study.evaluation.cases import Case, draw_scenario
+from bdt_study.simulation.closed_loop import Scenario
+from bdt_study.simulation.twin_loop import TwinTrajectory, simulate_with_twin
+from bdt_twin.cramer_rao import cramer_rao_bound
+from bdt_twin.dead_zone_tolerance import EQUATION_9, DeadZoneSettings
+from bdt_twin.estimator import Estimate, Estimator
+from bdt_twin.estimator_choice import EstimatorChoice, create_estimator
+from bdt_twin.inverse_filter import InverseFilterSettings
+from bdt_twin.output_error import AcceptedFit
+from bdt_twin.output_error_settings import OutputErrorSettings
+
+FloatArray = NDArray[np.float64]
+
+MARGIN = DeadZoneSettings(coverage_factor=2.0, margin=math.radians(1.0), horizon=1.5)
+"""Dead zone of estimators that know how sure they are: that of laboratory.yaml."""
+
+BOUND_EVERY = 10
+"""Estimates from one Cramér-Rao bound to the next: a bound costs about as much as an estimate."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """What one run gives.
+
+    Attributes
+    ----------
+    errors : ndarray, shape (n,)
+        Estimated less true gap at each estimate from which something was learned [rad].
+    uncertainties : ndarray, shape (n,)
+        Standard uncertainties that the estimator stated [rad]; NaN where it states none.
+    bounds : ndarray, shape (m,)
+        Cramér-Rao bounds of the gap's standard deviation [rad], of some windows; empty where the
+        model is not exact or nothing is known of the window behind an estimate.
+    bound_errors : ndarray, shape (m,)
+        Errors of the estimates from these windows [rad].
+    limit_cycles : int
+        Number of steps that end in a limit cycle.
+    worst_bias : float
+        Largest bias of all steps [% of the amplitude].
+    window_times : ndarray, shape (n,)
+        Processor time of each estimate [s].
+    """
+
+    errors: FloatArray
+    uncertainties: FloatArray
+    bounds: FloatArray
+    bound_errors: FloatArray
+    limit_cycles: int
+    worst_bias: float
+    window_times: FloatArray
+
+
+class InstrumentedEstimator:
+    """An estimator with its processor time and, where there is one, its Cramér-Rao bound.
+
+    Parameters
+    ----------
+    estimator : Estimator
+        The estimator.
+    noise : float
+        Standard deviation of what a reading is off [m]; 0 for no bounds.
+    """
+
+    def __init__(self, estimator: Estimator, noise: float) -> None:
+        self._estimator = estimator
+        self._noise = noise
+        self.times: list[float] = []
+        self.bounds: list[tuple[Estimate, float]] = []
+
+    def restart(self) -> None:
+        """Forget everything; see :class:`bdt_twin.estimator.Estimator`."""
+        self._estimator.restart()
+
+    def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
+        """Take the next batch; see :class:`bdt_twin.estimator.Estimator`."""
+        began = time.thread_time()
+        estimate = self._estimator.update(batch, newest_only=newest_only)
+        if estimate is not None:
+            self.times.append(time.thread_time() - began)
+            if self._noise and not estimate.reason and len(self.times) % BOUND_EVERY == 0:
+                self._note_bound(estimate)
+        return estimate
+
+    def _note_bound(self, estimate: Estimate) -> None:
+        last_fit = getattr(self._estimator, "last_fit", None)
+        if isinstance(last_fit, AcceptedFit):
+            unknowns = last_fit.fit.unknowns
+            bound = cramer_rao_bound(last_fit.window, unknowns, estimate.time, self._noise)
+            if math.isfinite(bound):
+                self.bounds.append((estimate, bound))
+
+
+def run_trial(case: Case, kind: str, seed: int) -> Trial:
+    """Run one random scenario in closed loop.
+
+    Parameters
+    ----------
+    case : Case
+        The conditions.
+    kind : str
+        The estimator, as in the twin's parameter ``estimator.kind``.
+    seed : int
+        Number of the scenario.
+    """
+    scenario = draw_scenario(case, seed)
+    gap = scenario.gap
+    if not isinstance(gap, GapProfile):
+        raise TypeError("the gap of a trial has a profile")
+    settings = InverseFilterSettings(sampling_rate=case.sampling_rate)
+    estimator = InstrumentedEstimator(
+        create_estimator(EstimatorChoice(kind), PlantModel(), settings, OutputErrorSettings()),
+        case.reading_error if case.is_exact else 0.0,
+    )
+    dead_zone = EQUATION_9 if kind == "inverse_filter" else MARGIN
+    run = simulate_with_twin(scenario, estimator, case.link, dead_zone, keep=("q3",))
+    # What the paper's estimator states is a mean over its window (figure 6).
+    age = 0.5 * settings.window if kind == "inverse_filter" else 0.0
+    learned = [each for each in run.estimates if each.is_known and not each.reason]
+    limit_cycles, worst_bias = evaluate_loop(scenario, run)
+    return Trial(
+        np.array([error_of(estimate, gap, age) for estimate in learned]),
+        np.array([estimate.uncertainty for estimate in learned]),
+        np.array([bound for _, bound in estimator.bounds]),
+        np.array([error_of(estimate, gap) for estimate, _ in estimator.bounds]),
+        limit_cycles,
+        worst_bias,
+        np.array(estimator.times),
+    )
+
+
+def error_of(estimate: Estimate, gap: GapProfile, age: float = 0.0) -> float:
+    """Return estimated less true gap [rad], `age` [s] before the time of the estimate."""
+    return estimate.gap - gap_at(gap, max(estimate.time - age, 0.0))
+
+
+def evaluate_loop(scenario: Scenario, run: TwinTrajectory) -> tuple[int, float]:
+    """Return the number of limit cycles and the worst bias [% of the amplitude].
+
+    Judged is the true position, from the first step on that begins after the first dead zone
+    has arrived: before a reversal nobody can know the gap. A step that is cut short is left out.
+    """
+    sample_time = 1.0 / scenario.sampling.sampling_rate
+    telemetry = np.stack([run.loop.t, run.loop.u, run.loop.q3], axis=1)
+    steps = find_steps(_reference_steps(scenario), telemetry, sample_time)
+    set_at = np.flatnonzero(run.tolerances)
+    known = float(set_at[0]) / scenario.sampling.control_rate if set_at.size else 0.0
+    judged = [step for step in steps if step.t_start >= known]
+    summaries = [summarize_step(step, telemetry, sample_time) for step in judged]
+    biases = [
+        abs(step.bias_percent_of_amplitude)
+        for step in summaries
+        if step.bias_percent_of_amplitude is not None
+    ]
+    return sum(bool(step.limit_cycle) for step in summaries), max(biases, default=0.0)
+
+
+def _reference_steps(scenario: Scenario) -> FloatArray:
+    """Return rows of (time [s], r [m]) of the square wave."""
+    reference = scenario.reference
+    if not isinstance(reference, ReferenceProfile):
+        raise TypeError("the reference of a trial is a square wave")
+    times = np.arange(0.0, scenario.duration, reference.step_time)
+    return np.array([(time, reference_at(reference, float(time))) for time in times])

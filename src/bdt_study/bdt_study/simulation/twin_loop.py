@@ -1,0 +1,154 @@
+"""The closed loop offline with the digital twin in it: estimator, slow link, reconfiguration.
+
+The compiled loop runs from one batch of telemetry to the next. Whatever the twin sends arrives
+after the batch behind it, so the dead zone of the next interval is known before it is computed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_msgs_py.reading import nanoseconds_from_seconds
+from bdt_study.simulation.closed_loop import (
+    SIGNALS,
+    Scenario,
+    Trajectory,
+    discrete_loop,
+    initial_state,
+    sample_inputs,
+    signals_for,
+    trajectory_of,
+)
+from bdt_study.simulation.loop_kernel import SIMULATED, run_kernel
+from bdt_twin.dead_zone_tolerance import EQUATION_9, DeadZoneRule, DeadZoneSettings
+from bdt_twin.estimator import Estimate, Estimator
+from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
+from bdt_twin.link import PAPER_LINK, DelayedLink, LinkSettings
+from bdt_twin.reconfiguration import Reconfigurator
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class TwinTrajectory:
+    """What a simulation with the twin gives.
+
+    Attributes
+    ----------
+    loop : Trajectory
+        Signals of the loop.
+    tolerances : ndarray, shape (control steps,)
+        Dead-zone tolerance epsilon_dz in force at each measurement [m].
+    estimates : tuple of Estimate
+        What the estimator said.
+    """
+
+    loop: Trajectory
+    tolerances: FloatArray
+    estimates: tuple[Estimate, ...]
+
+    @property
+    def estimate_times(self) -> FloatArray:
+        """Times for which the gap is stated [s], shape (m,)."""
+        return np.array([estimate.time for estimate in self.estimates])
+
+    @property
+    def estimated_gaps(self) -> FloatArray:
+        """Estimated gaps theta_b [rad], shape (m,)."""
+        return np.array([estimate.gap for estimate in self.estimates])
+
+
+def simulate_with_twin(
+    scenario: Scenario,
+    estimator: Estimator | None = None,
+    link: LinkSettings = PAPER_LINK,
+    dead_zone: DeadZoneSettings = EQUATION_9,
+    telemetry_period: float = 0.1,
+    keep: Sequence[str] = SIGNALS,
+) -> TwinTrajectory:
+    """Simulate the reconfigurable controller (figures 5 and 7).
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The loop; its dead zone holds until the first reconfiguration arrives.
+    estimator : Estimator, optional
+        Fresh estimator; None for the paper's, with the scenario's model and sampling rate.
+    link : LinkSettings
+        Delays and losses on the way to the controller; 1 s by default.
+    dead_zone : DeadZoneSettings
+        Width for an estimate; eq. 9 by default.
+    telemetry_period : float
+        Time covered by one batch of telemetry [s], rounded to whole control periods.
+    keep : sequence of str
+        Signals of the loop to keep, out of ``SIGNALS``; u and measured are always kept.
+
+    Returns
+    -------
+    TwinTrajectory
+        Loop, dead zone and estimates.
+    """
+    sampling = scenario.sampling
+    rate, hold = sampling.sampling_rate, sampling.samples_per_control_step
+    keep = (*keep, "u", "measured")
+    inputs, signals = sample_inputs(scenario), signals_for(scenario, keep)
+    u, measured = (signals[SIMULATED.index(name)] for name in ("u", "measured"))
+    step, state = discrete_loop(scenario), initial_state(scenario, inputs)
+    if estimator is None:
+        settings = InverseFilterSettings(sampling_rate=rate)
+        estimator = InverseFilterEstimator(scenario.model, settings)
+    rule = DeadZoneRule(dead_zone, scenario.model.lead_screw.pitch)
+    twin = _Twin(estimator, rule, DelayedLink(link))
+
+    tolerances = inputs.tolerances.copy()
+    stamps = np.rint(np.arange(scenario.control_steps) * hold * 1e9 / rate).astype(np.int64)
+    batch = max(round(telemetry_period * sampling.control_rate), 1)
+    for first in range(0, scenario.control_steps, batch):
+        steps = slice(first, min(first + batch, scenario.control_steps))
+        samples = slice(steps.start * hold, steps.stop * hold)
+        twin.set_dead_zones(stamps[steps], tolerances[steps])
+        between = inputs.between(steps.start, steps.stop)._replace(tolerances=tolerances[steps])
+        state = run_kernel(state, step, between, tuple(signal[samples] for signal in signals))
+        times = np.arange(samples.start, samples.stop) / rate
+        twin.take_telemetry(np.column_stack([times, u[samples], measured[samples]]))
+    return TwinTrajectory(
+        trajectory_of(scenario, inputs, signals, keep), tolerances, tuple(twin.estimates)
+    )
+
+
+class _Twin:
+    """Estimator, link and dead zone, as the twin's node puts them together."""
+
+    def __init__(self, estimator: Estimator, rule: DeadZoneRule, link: DelayedLink) -> None:
+        self._estimator = estimator
+        self._reconfigurator = Reconfigurator(rule, link)
+        self._in_force: float | None = None
+        self.estimates: list[Estimate] = []
+
+    def set_dead_zones(self, stamps: NDArray[np.int64], tolerances: FloatArray) -> None:
+        """Set the tolerances in force at the next measurements.
+
+        Parameters
+        ----------
+        stamps : ndarray, shape (n,)
+            Times of the measurements [ns].
+        tolerances : ndarray, shape (n,)
+            Tolerances without the twin [m]; overwritten from the first reconfiguration on.
+        """
+        if self._in_force is not None:
+            tolerances[:] = self._in_force
+        while (due := self._reconfigurator.next_due()) is not None and due <= stamps[-1]:
+            first = int(np.searchsorted(stamps, due))
+            arrived = self._reconfigurator.deliver(int(stamps[first]))
+            if arrived is not None:
+                self._in_force = arrived.tolerance
+                tolerances[first:] = self._in_force
+
+    def take_telemetry(self, rows: FloatArray) -> None:
+        """Estimate from the rows (t [s], u [V], q3 [m]) of a batch, and send (eq. 9)."""
+        estimate = self._estimator.update(rows)
+        if estimate is not None:
+            self.estimates.append(estimate)
+            self._reconfigurator.send(estimate, nanoseconds_from_seconds(rows[-1, 0]))

@@ -1,0 +1,136 @@
+"""Requests to the controller's parameter service: asked, answered, refused or given up."""
+
+from collections.abc import Callable
+
+from rcl_interfaces.srv import SetParameters
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.task import Future
+from rclpy.timer import Timer
+
+from bdt_msgs_py.topics import DEAD_ZONE_PARAMETER, PARAMETER_EVENTS
+from bdt_twin.dead_zone_watch import full_name
+from bdt_twin.link import Reconfiguration
+
+LOOK_PERIOD = 0.05
+"""Wall time [s] between two looks for a service that is not there yet."""
+
+
+class DeadZoneRequests:
+    """Sets the controller's dead zone, one request at a time; nothing here waits.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        Node that asks.
+    controller : str
+        Name of the controller's node.
+    timeout : float
+        Wall time [s] after which a request without an answer has failed.
+    ended : callable
+        Called when a request has ended, whatever its end.
+
+    Attributes
+    ----------
+    in_flight : Reconfiguration or None
+        What is being asked for.
+    accepted, failed : int
+        Number of requests.
+    """
+
+    def __init__(
+        self, node: Node, controller: str, timeout: float, ended: Callable[[], object]
+    ) -> None:
+        self._node, self._name, self._timeout, self._ended = node, controller, timeout, ended
+        self._controller = full_name(node, controller)
+        self._client = AsyncParameterClient(node, controller)
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timers: list[Timer] = []
+        self._answer: Future[SetParameters.Response] | None = None
+        self._publishers: set[tuple[int, ...]] = set()
+        self._asked: set[tuple[int, ...]] = set()
+        self._is_there = False
+        self.in_flight: Reconfiguration | None = None
+        self.accepted = self.failed = 0
+
+    def send(self, reconfiguration: Reconfiguration) -> None:
+        """Ask the controller for a dead zone."""
+        self.in_flight = reconfiguration
+        self._timers = [self._node.create_timer(self._timeout, self._give_up, clock=self._steady)]
+        self._ask()
+        if self._answer is None:
+            self._timers += [self._node.create_timer(LOOK_PERIOD, self._ask, clock=self._steady)]
+
+    def controller_appeared(self) -> bool:
+        """Tell whether there is a controller that was not there when this was asked before.
+
+        Every node publishes parameter events, so each of its lives has a publisher of its own.
+        """
+        found = self._found_publishers()
+        appeared = not found <= self._publishers
+        self._publishers |= found
+        self._is_there = self._is_there and not appeared
+        return appeared
+
+    def drop(self) -> None:
+        """Forget a request that waits for the service; one that was sent gets its answer."""
+        if self._answer is None:
+            self._clear()
+
+    def _found_publishers(self) -> set[tuple[int, ...]]:
+        return {
+            tuple(one.endpoint_gid)
+            for one in self._node.get_publishers_info_by_topic(PARAMETER_EVENTS.name)
+            if f"{one.node_namespace.rstrip('/')}/{one.node_name}" == self._controller
+        }
+
+    def _ask(self) -> None:
+        """Send the request once the service is there: before, it would be lost."""
+        if self.in_flight is None or self._answer is not None:
+            return
+        self._is_there = self._is_there or self._client.services_are_ready()
+        if not self._is_there:
+            return
+        self._asked = self._found_publishers()
+        value = self.in_flight.tolerance
+        request = Parameter(DEAD_ZONE_PARAMETER, Parameter.Type.DOUBLE, value)
+        self._answer = self._client.set_parameters([request])
+        self._answer.add_done_callback(self._take_answer)
+
+    def _take_answer(self, answer: "Future[SetParameters.Response]") -> None:
+        if answer is not self._answer or answer.cancelled():
+            return
+        response = answer.result()
+        if response is None or len(response.results) != 1:
+            return  # not an answer: the timeout will count it
+        # Whoever has answered knows the dead zone, and needs it no second time for being new.
+        self._publishers |= self._asked
+        (result,) = response.results
+        if result.successful:
+            self.accepted += 1
+        else:
+            self._fail(f"the controller refused the dead zone: {result.reason}")
+        self._end()
+
+    def _give_up(self) -> None:
+        if self._answer is not None:
+            self._answer.cancel()
+        self._is_there = False
+        self._fail(f"no answer from {self._name} to a reconfiguration")
+        self._end()
+
+    def _fail(self, text: str) -> None:
+        self.failed += 1
+        self._node.get_logger().warning(text, throttle_duration_sec=1.0)
+
+    def _end(self) -> None:
+        self._clear()
+        self._ended()
+
+    def _clear(self) -> None:
+        self.in_flight = self._answer = None
+        for timer in self._timers:
+            self._node.destroy_timer(timer)
+        self._timers = []

@@ -1,0 +1,66 @@
+"""``bdt record`` records beside a loop until Ctrl-C and says what it has."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+import yaml
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from bdt_bringup.cli import run_command
+from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.topics import MEASUREMENT
+from bdt_msgs_py.writing import platform_position
+
+
+def test_the_topics_of_a_namespace_are_recorded_until_ctrl_c(ros, tmp_path):
+    bag = tmp_path / "bag"
+    options = ["--output", bag, "--namespace", "left", "--compression", "zstd"]
+    command = [sys.executable, "-m", "bdt_bringup.cli", "record", *options]
+    talker = ros.create(Node, "talker")
+    publisher = talker.create_publisher(JointState, "/left/measurement", qos_profile(MEASUREMENT))
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+            assert ("bag_recorder", "/left") in talker.get_node_names_and_namespaces()
+            for stamp in range(10):
+                publisher.publish(platform_position(stamp, 0.0))
+            # A message on its way would be lost with the subscription.
+            ros.spin_until(publisher.wait_for_all_acked)
+            ros.spin_until(lambda: (bag / "bag_0.mcap").stat().st_size > 2000)
+            os.kill(process.pid, signal.SIGINT)
+            output, _ = process.communicate(timeout=20)
+        finally:
+            process.kill()
+    assert process.returncode == 0
+    assert " 0 dropped because of the disk, 0 lost on the way" in output
+    assert output.endswith(f"bag: {bag}\n")
+    text = (bag / "metadata.yaml").read_text(encoding="utf-8")
+    topics = yaml.safe_load(text)["rosbag2_bagfile_information"]["topics_with_message_count"]
+    counts = {one["topic_metadata"]["name"]: one["message_count"] for one in topics}
+    assert counts["/left/measurement"] == 10
+    assert "/left/clock" in counts, "as bdt run --namespace and -r /clock:=clock move it"
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (["--storage", "tape"], "--storage = 'tape': must be one of mcap, sqlite3"),
+        (["--compression", "lz4"], "--compression = 'lz4': must be one of none, zstd"),
+        (["--split-size", "-1"], "--split-size = -1 B: must be 0 to 1e+12 B"),
+        (["--split-duration", "nan"], "--split-duration = nan s: must be 0 to 1e+06 s"),
+        (["--output", "."], "--output .: exists already"),
+        (["0bad"], "parameter topics = '0bad'"),
+    ],
+)
+def test_bad_options_are_refused_in_one_line(tmp_path, capsys, options, reason, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run_command(["record", *options]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ")
+    assert reason in error
+    assert error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,48 @@
+"""Exponential function, logarithm and power against decimal arithmetic in many digits."""
+
+import math
+from decimal import Context, Decimal
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bdt_plant.elementary_functions import exponential, logarithm, power
+
+DIGITS = Context(prec=50)
+
+
+@given(st.floats(-740.0, 709.0))
+def test_the_exponential_function_is_right_to_two_units_in_the_last_place(number):
+    exact = DIGITS.exp(Decimal(number))
+    error = abs(Decimal(float(exponential(number))) - exact)
+    assert error <= 2 * Decimal(math.ulp(float(exact)))
+
+
+@given(st.floats(1e-300, 1e300) | st.floats(0.9, 1.1))
+def test_the_logarithm_is_right_to_three_units_in_the_last_place(number):
+    exact = DIGITS.ln(Decimal(number))
+    error = abs(Decimal(float(logarithm(number))) - exact)
+    assert error <= 3 * Decimal(math.ulp(float(exact)))
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.1, 10.0))
+def test_a_power_is_right_to_1e_15(base, exponent):
+    exact = DIGITS.power(Decimal(base), Decimal(exponent)) if base else Decimal(0)
+    assert abs(Decimal(float(power(np.array(base), exponent))) - exact) <= Decimal("1e-15")
+
+
+@pytest.mark.parametrize("exponent", [0.1, 0.5, 1.0, 1.7, 2.0, 10.0])
+def test_a_power_of_nothing_is_nothing_and_of_one_is_one(exponent):
+    assert power(np.array([0.0, 1.0]), exponent).tolist() == [0.0, 1.0]
+
+
+def test_a_square_is_rounded_once():
+    fractions = np.random.default_rng(1).uniform(size=1000)
+    assert (power(fractions, 2.0) == fractions * fractions).all()
+
+
+def test_what_no_float_holds_is_zero_or_infinite():
+    with np.errstate(over="ignore"):
+        assert exponential([-1e15, 0.0, 1e15]).tolist() == [0.0, 1.0, math.inf]

@@ -1,0 +1,68 @@
+"""One row of the table, from trials whose numbers are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bdt_study.evaluation.outcome import summarize_trials
+from bdt_study.evaluation.trial import Trial
+
+NOTHING = np.empty(0)
+
+
+def trial(errors, uncertainties, *, bounds=NOTHING, limit_cycles=0, worst_bias=0.5, times=(0.01,)):
+    return Trial(
+        np.deg2rad(errors),
+        np.deg2rad(uncertainties),
+        np.deg2rad(bounds),
+        np.deg2rad(errors)[: len(bounds)],
+        limit_cycles,
+        worst_bias,
+        np.array(times),
+    )
+
+
+def test_errors_are_taken_over_all_runs():
+    row = summarize_trials("c", "e", [trial([3.0], [9.0]), trial([-4.0, 0.0], [9.0, 9.0])])
+    assert row.rms_error_deg == pytest.approx(math.sqrt(25.0 / 3.0))
+    assert row.worst_error_deg == pytest.approx(4.0)
+    assert row.runs == 2
+
+
+def test_an_interval_covers_1_96_uncertainties_on_either_side():
+    row = summarize_trials("c", "e", [trial([1.9, -1.9, 2.0, -2.0], [1.0] * 4)])
+    assert row.coverage_95 == 50.0
+
+
+def test_an_estimator_that_states_no_uncertainty_has_no_coverage():
+    assert summarize_trials("c", "e", [trial([1.0], [math.nan])]).coverage_95 is None
+
+
+def test_the_bound_is_compared_with_the_errors_of_its_own_windows():
+    row = summarize_trials("c", "e", [trial([3.0, 4.0, 99.0], [1.0] * 3, bounds=[2.5, 2.5])])
+    assert row.crb_ratio == pytest.approx(math.sqrt(12.5) / 2.5)
+    assert summarize_trials("c", "e", [trial([3.0], [1.0])]).crb_ratio is None
+
+
+def test_runs_are_counted_by_what_became_of_the_loop():
+    trials = [
+        trial([0.1], [1.0], limit_cycles=2, worst_bias=1.0),
+        trial([0.1], [1.0], worst_bias=2.0),
+        trial([0.1], [1.0], worst_bias=1.9),
+        trial([0.1], [1.0]),
+    ]
+    row = summarize_trials("c", "e", trials)
+    assert row.limit_cycle_free_percent == 75.0
+    assert row.bias_under_2_percent == 75.0
+
+
+def test_the_processor_time_is_a_median_in_milliseconds():
+    assert (
+        summarize_trials("c", "e", [trial([0.1], [1.0], times=[0.02, 0.03, 9.0])]).window_ms == 30
+    )
+
+
+def test_without_any_estimate_there_is_no_error():
+    row = summarize_trials("c", "e", [trial([], [], times=[])])
+    assert (row.rms_error_deg, row.worst_error_deg, row.window_ms) == (None, None, None)

@@ -1,0 +1,92 @@
+"""Closed-loop runs with estimators: what is judged, and that estimators differ as they should."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bdt_plant.gap_profile import GapProfile
+from bdt_study.evaluation import cases, trial
+from bdt_study.evaluation.cases import CASES, draw_scenario
+from bdt_study.evaluation.trial import error_of, evaluate_loop, run_trial
+from bdt_study.simulation.closed_loop import Trajectory, simulate
+from bdt_study.simulation.twin_loop import TwinTrajectory
+from bdt_twin.estimator import Estimate
+
+BY_NAME = {case.name: case for case in CASES}
+
+
+@pytest.fixture
+def short(monkeypatch):
+    monkeypatch.setattr(cases, "DURATION", 25.0)
+
+
+def test_the_estimator_for_measured_signals_copes_where_the_paper_s_fails(short):
+    fitted = run_trial(BY_NAME["laboratory"], "output_error", 1)
+    assert fitted.errors.size >= 10
+    assert np.rad2deg(np.sqrt(np.mean(fitted.errors**2))) < 0.3
+    assert np.isfinite(fitted.uncertainties).all()
+    assert len(fitted.window_times) >= len(fitted.errors)
+    paper = run_trial(BY_NAME["laboratory"], "inverse_filter", 1)
+    assert np.rad2deg(np.abs(paper.errors).max()) > 10.0
+    assert np.isnan(paper.uncertainties).all()
+
+
+def test_the_paper_s_estimator_is_right_on_clean_signals(short):
+    clean = run_trial(replace(BY_NAME["clean"], gap="constant"), "inverse_filter", 2)
+    assert clean.errors.size > 20
+    assert np.rad2deg(np.sqrt(np.mean(clean.errors**2))) < 0.15
+
+
+def test_bounds_are_there_where_the_model_is_exact_and_there_is_noise(short):
+    exact = run_trial(BY_NAME["exact_model"], "output_error", 1)
+    assert exact.bounds.size == exact.bound_errors.size > 0
+    assert exact.bounds.min() > 0.0
+    assert run_trial(BY_NAME["clean"], "output_error", 1).bounds.size == 0
+
+
+def test_the_error_is_that_of_the_time_for_which_the_gap_is_stated():
+    growing = GapProfile(kind="ramp", final=1.0, growth_time=10.0)
+    assert error_of(Estimate(5.0, 0.6), growing) == pytest.approx(0.1)
+    assert error_of(Estimate(5.0, 0.6), growing, 2.0) == pytest.approx(0.3)
+
+
+def judged(dead_zones, duration=24.0):
+    """Judge a loop with a gap of 25 degrees and the dead zones of each control period."""
+    scenario = replace(
+        draw_scenario(BY_NAME["clean"], 0),
+        duration=duration,
+        gap=GapProfile(kind="constant", initial=math.radians(25.0)),
+    )
+    scenario = replace(scenario, reference=replace(scenario.reference, first=5e-3, step_time=8.0))
+    tolerances = np.asarray(dead_zones(np.arange(scenario.control_steps) / 500.0))
+    loop = simulate(replace(scenario, dead_zone=tolerances))
+    assert isinstance(loop, Trajectory)
+    return evaluate_loop(scenario, TwinTrajectory(loop, tolerances, ()))
+
+
+def test_a_loop_that_never_gets_a_dead_zone_is_judged_whole():
+    limit_cycles, _ = judged(lambda t: 0.0 * t)
+    assert limit_cycles == 3
+
+
+def test_steps_before_the_first_dead_zone_do_not_count():
+    wide = 1.15 * math.radians(25.0) * 1e-3 / (2 * math.pi)
+    limit_cycles, worst_bias = judged(lambda t: np.where(t < 7.0, 0.0, wide))
+    assert limit_cycles == 0
+    assert 0.0 < worst_bias < 2.0
+
+
+def test_the_margin_is_part_of_what_is_commanded(short, monkeypatch):
+    sent = []
+    rule = trial.simulate_with_twin
+
+    def noting(scenario, estimator, link, dead_zone, keep):
+        sent.append(dead_zone)
+        return rule(scenario, estimator, link, dead_zone, keep=keep)
+
+    monkeypatch.setattr(trial, "simulate_with_twin", noting)
+    run_trial(BY_NAME["clean"], "output_error", 0)
+    run_trial(BY_NAME["clean"], "inverse_filter", 0)
+    assert sent == [trial.MARGIN, trial.EQUATION_9]

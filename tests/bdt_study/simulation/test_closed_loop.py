@@ -1,0 +1,279 @@
+"""The compiled loop against the plain Python loop of the same cores, bit for bit."""
+
+import dataclasses
+import itertools
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bdt_controller.controller import ControllerSettings, DeadZoneController
+from bdt_controller.pid import PidGains
+from bdt_controller.reference import ReferenceProfile, reference_at
+from bdt_plant.actuator import ActuatorParameters
+from bdt_plant.compilation import compile_loop, source_files, source_hash
+from bdt_plant.gap_profile import GapProfile, gap_at
+from bdt_plant.motor import MotorParameters
+from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.plant_simulator import PlantSimulator
+from bdt_plant.sensor import SensorParameters
+from bdt_study.simulation import loop_kernel
+from bdt_study.simulation.closed_loop import (
+    SIGNALS,
+    Scenario,
+    discrete_loop,
+    initial_state,
+    sample_inputs,
+    simulate,
+    simulate_batch,
+)
+from bdt_study.simulation.loop_kernel import (
+    SIMULATED,
+    LoopInputs,
+    allocate,
+    loop_at_rest,
+    run_kernel,
+)
+
+REFERENCE = ReferenceProfile(step_time=2.0)
+GROWING = GapProfile(growth_time=8.0)
+
+COLUMNS = (
+    *("t", "r", "u", "current", "omega_m", "theta_m", "theta_d"),
+    *("q1", "q2", "q3", "measured"),
+)
+"""Signals in the order of :func:`python_loop`."""
+
+LABORATORY = Scenario(
+    4.0,
+    REFERENCE,
+    GROWING,
+    2.8e-5,
+    PlantModel(MotorParameters(coulomb_friction=0.02, viscous_friction=1e-4)),
+    sensor=SensorParameters(1e-6, 1e-7, 1e-3, 0.1, 3),
+    actuator=ActuatorParameters(saturation=True, voltage_limit=8.0),
+    voltage_limit=9.0,
+)
+"""Every imperfection that there is, and a controller that believes in a stronger amplifier."""
+
+
+def python_loop(scenario, dead_zones):
+    """Return rows (t, r, u, i, w_m, theta_m, theta_d, q1, q2, q3, reading).
+
+    The state is that of the last measurement.
+    """
+    plant = PlantSimulator(
+        scenario.model, scenario.gap, scenario.sampling, scenario.sensor, scenario.actuator
+    )
+    rate, limit = scenario.sampling.control_rate, scenario.voltage_limit
+    controller = DeadZoneController(scenario.gains, ControllerSettings(control_rate=rate))
+    rows = []
+    for tolerance in dead_zones:
+        controller.configure(scenario.gains, ControllerSettings(rate, float(tolerance), limit))
+        r = reference_at(scenario.reference, plant.time)
+        t, theta_m, theta_d, _, *q = plant.truth()
+        motor = plant.state.motor
+        for time, u, reading in plant.advance(controller.step(r, plant.position)):
+            row = (r, u, motor.current, motor.speed, theta_m, theta_d, *q, reading)
+            rows.append((time, *row))
+        assert rows[-scenario.sampling.samples_per_control_step][0] == t
+    return np.array(rows)
+
+
+def assert_same_bits(actual, expected):
+    assert np.ascontiguousarray(actual).tobytes() == np.ascontiguousarray(expected).tobytes()
+
+
+@pytest.mark.parametrize("gap", [GROWING, GapProfile("constant"), GapProfile("constant", 0.3)])
+@pytest.mark.parametrize("dead_zone", [0.0, 2.8e-5])
+def test_every_signal_is_that_of_the_python_loop_bit_for_bit(gap, dead_zone):
+    # With a measurement at every sample the Python loop shows its whole state at every sample.
+    sampling = Sampling(control_rate=5000.0)
+    scenario = Scenario(3.0, REFERENCE, gap, dead_zone, sampling=sampling)
+    trajectory = simulate(scenario)
+    expected = python_loop(scenario, [dead_zone] * scenario.control_steps)
+    for name, column in zip(COLUMNS, expected.T, strict=True):
+        assert_same_bits(getattr(trajectory, name), column)
+    assert_same_bits(trajectory.d, trajectory.q1)
+
+
+@pytest.mark.parametrize("control_rate", [5000.0, 500.0])
+def test_an_imperfect_loop_is_that_of_the_python_loop_bit_for_bit(control_rate):
+    scenario = dataclasses.replace(LABORATORY, sampling=Sampling(control_rate=control_rate))
+    trajectory = simulate(scenario)
+    expected = python_loop(scenario, [2.8e-5] * scenario.control_steps)
+    # Between two measurements the Python loop does not show the state.
+    names = COLUMNS if control_rate == 5000.0 else ("t", "r", "u", "measured")
+    for name in names:
+        assert_same_bits(getattr(trajectory, name), expected[:, COLUMNS.index(name)])
+    assert np.abs(trajectory.u).max() == 8.0
+    assert np.abs(trajectory.measured - trajectory.q3).max() > 3e-6
+
+
+def test_the_ideal_sensor_measures_the_position():
+    trajectory = simulate(Scenario(1.0, REFERENCE, GROWING))
+    assert_same_bits(trajectory.measured, trajectory.q3)
+
+
+@settings(max_examples=25)
+@given(st.data())
+def test_an_imperfect_loop_that_stops_and_goes_on_is_one_loop(data):
+    inputs, step = sample_inputs(LABORATORY), discrete_loop(LABORATORY)
+    steps = LABORATORY.control_steps
+    stops = data.draw(st.lists(st.integers(1, steps - 1), max_size=5, unique=True))
+    edges = [0, *sorted(stops), steps]
+    state, parts = initial_state(LABORATORY, inputs), []
+    for first, last in itertools.pairwise(edges):
+        parts.append(allocate(10 * (last - first)))
+        state = run_kernel(state, step, inputs.between(first, last), parts[-1])
+    whole = simulate(LABORATORY)
+    for index, name in enumerate(SIMULATED):
+        assert_same_bits(np.concatenate([part[index] for part in parts]), getattr(whole, name))
+
+
+def test_running_from_a_state_leaves_it_as_it_was():
+    inputs, step = sample_inputs(LABORATORY), discrete_loop(LABORATORY)
+    state, signals = initial_state(LABORATORY, inputs), allocate(LABORATORY.samples)
+    run_kernel(state, step, inputs, signals)
+    first = signals[-1].copy()
+    run_kernel(state, step, inputs, signals)
+    assert_same_bits(signals[-1], first)
+
+
+def test_a_dead_zone_that_changes_is_a_reconfigured_controller():
+    steps = 3000
+    dead_zones = np.where(np.arange(steps) < 1000, 0.0, np.linspace(0, 8e-5, steps))
+    scenario = Scenario(6.0, REFERENCE, GROWING, dead_zones)
+    trajectory = simulate(scenario)
+    expected = python_loop(scenario, dead_zones)
+    for name, column in (("t", 0), ("r", 1), ("u", 2), ("q3", 10)):
+        assert_same_bits(getattr(trajectory, name), expected[:, column])
+
+
+@settings(max_examples=25)
+@given(
+    gains=st.builds(
+        PidGains,
+        st.floats(-1e5, 1e5),
+        st.floats(-1e6, 1e6),
+        st.floats(-1e3, 1e3),
+        st.floats(1e-3, 1.0),
+    ),
+    gap=st.floats(0.0, 1.0),
+    level=st.floats(-1e-2, 1e-2),
+    dead_zone=st.floats(0.0, 1e-3),
+)
+def test_any_gains_gap_and_dead_zone_give_the_same_bits(gains, gap, level, dead_zone):
+    reference = ReferenceProfile("table", table_positions=(level,))
+    scenario = Scenario(0.1, reference, GapProfile("constant", gap), dead_zone, gains=gains)
+    expected = python_loop(scenario, [dead_zone] * 50)
+    trajectory = simulate(scenario)
+    assert_same_bits(trajectory.u, expected[:, 2])
+    assert_same_bits(trajectory.q3, expected[:, 10])
+
+
+def test_laws_arrays_and_callables_are_the_same_scenario():
+    base = Scenario(1.0, REFERENCE, GROWING, 1e-5)
+    times = np.arange(5001) / 5000.0
+    arrays = dataclasses.replace(
+        base,
+        reference=np.array([reference_at(REFERENCE, t) for t in times[:-1:10].tolist()]),
+        gap=np.array([gap_at(GROWING, t) for t in times.tolist()]),
+        dead_zone=np.full(500, 1e-5),
+    )
+    callables = dataclasses.replace(
+        base,
+        reference=lambda t: reference_at(REFERENCE, t),
+        gap=lambda t: gap_at(GROWING, t),
+        dead_zone=lambda _: 1e-5,
+    )
+    for other in (arrays, callables):
+        for name in SIGNALS:
+            assert_same_bits(
+                getattr(simulate(other), name),
+                getattr(simulate(base), name),
+            )
+
+
+def test_only_what_is_asked_for_is_kept():
+    scenario = Scenario(0.5, REFERENCE, GROWING)
+    whole = simulate(scenario)
+    for keep in ((), ("q3",), ("d",), ("u", "theta_m", "theta_d", "q3"), ("r", "q1")):
+        part = simulate(scenario, keep)
+        for name in SIGNALS:
+            expected = getattr(whole, name) if name in keep else np.empty(0)
+            assert_same_bits(getattr(part, name), expected)
+
+
+def test_a_batch_is_its_scenarios_one_by_one():
+    scenarios = [
+        Scenario(0.5, REFERENCE, GapProfile("constant", gap), 1e-5) for gap in (0.0, 0.1, 0.5)
+    ]
+    batch = simulate_batch(scenarios, ("u", "q3"), workers=2)
+    assert len(batch) == 3
+    for scenario, trajectory in zip(scenarios, batch, strict=True):
+        assert_same_bits(trajectory.q3, simulate(scenario).q3)
+
+
+def test_a_loop_that_stops_and_goes_on_is_one_loop():
+    scenario = Scenario(1.0, REFERENCE, GROWING, 1e-5)
+    inputs, step = sample_inputs(scenario), discrete_loop(scenario)
+    state, parts = loop_at_rest(0.0), []
+    for first, last in ((0, 7), (7, 300), (300, 500)):
+        stretch = LoopInputs(
+            inputs.references[first:last],
+            inputs.tolerances[first:last],
+            inputs.gaps[10 * first : 10 * last + 1],
+        )
+        parts.append(allocate(10 * (last - first)))
+        state = run_kernel(state, step, stretch, parts[-1])
+    whole = simulate(scenario)
+    for index, name in enumerate(SIMULATED):
+        assert_same_bits(np.concatenate([part[index] for part in parts]), getattr(whole, name))
+
+
+def test_whole_numbers_are_floats():
+    whole = Scenario(1, 1, 0, 0, gains=PidGains(3000, 30000, -300, 1))
+    floats = Scenario(1.0, 1.0, 0.0, 0.0, gains=PidGains(3000.0, 30000.0, -300.0, 1.0))
+    assert_same_bits(simulate(whole).q3, simulate(floats).q3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ({"reference": np.zeros(499)}, "reference"),
+        ({"gap": np.zeros(5000)}, "gap"),
+        ({"dead_zone": np.zeros((500, 1))}, "dead_zone"),
+    ],
+)
+def test_an_array_of_another_length_is_refused(arguments, name):
+    with pytest.raises(ValueError, match=f"{name} = array of shape"):
+        simulate(Scenario(1.0, **arguments))
+
+
+def test_unknown_signals_and_no_time_are_refused():
+    with pytest.raises(ValueError, match="keep = \\['q4'\\]"):
+        simulate(Scenario(1.0), ("q3", "q4"))
+    with pytest.raises(ValueError, match="duration"):
+        Scenario(0.0)
+
+
+def test_the_kernel_is_compiled_anew_when_an_equation_changes(tmp_path, monkeypatch):
+    names = {Path(name).name for name in source_files(loop_kernel.COMPILED)}
+    cores = ("plant", "motor", "lead_screw", "structure", "pid", "dead_zone")
+    assert names >= {f"{core}.py" for core in (*cores, "friction", "sensor", "actuator")}
+    core = tmp_path / "core.py"
+    core.write_text("y = x")
+    before = source_hash([str(core)])
+    core.write_text("y = -x")
+    after = source_hash([str(core)])
+    assert before != after
+
+    # Numba's own cache knows the file of the kernel, not those of the equations.
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    for sources, hits in ((before, 0), (before, 1), (after, 0)):
+        compiled = compile_loop(loop_kernel._closed_loop(sources), loop_kernel._signature())
+        assert sum(compiled.stats.cache_hits.values()) == hits

@@ -1,0 +1,123 @@
+"""The compiled loop with the twin against the plain Python loop, which the nodes equal."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from bdt_controller.controller import ControllerSettings, DeadZoneController
+from bdt_controller.pid import PidGains
+from bdt_controller.reference import ReferenceProfile, reference_at
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.plant_simulator import PlantSimulator
+from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters
+from bdt_study.simulation.closed_loop import Scenario, simulate
+from bdt_study.simulation.twin_loop import simulate_with_twin
+from bdt_twin.dead_zone_tolerance import DeadZoneSettings, tolerance_for_gap
+from bdt_twin.estimator import Estimate
+from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
+from bdt_twin.link import LinkSettings
+
+SCENARIO = Scenario(6.0, ReferenceProfile(step_time=2.0), GapProfile(growth_time=8.0))
+
+NOISY = SensorParameters(noise=1e-14, quantization=1e-15, delay=4e-4)
+"""A sensor whose readings this estimator stands."""
+
+
+def python_loop(delay, sensor=IDEAL_SENSOR):
+    """Return telemetry as ``offline_loop`` of tests/test_loop.py computes it."""
+    plant = PlantSimulator(PlantModel(), SCENARIO.gap, Sampling(), sensor)
+    controller = DeadZoneController(PidGains(), ControllerSettings())
+    estimator = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
+    rows, on_the_way = [], []
+    for step in range(SCENARIO.control_steps):
+        while on_the_way and on_the_way[0][0] <= plant.nanoseconds:
+            settings = ControllerSettings(dead_zone_tolerance=on_the_way.pop(0)[1])
+            controller.configure(PidGains(), settings)
+        r = reference_at(SCENARIO.reference, plant.time)
+        rows.append(plant.advance(controller.step(r, plant.position)))
+        if (step + 1) % 50 == 0:
+            batch = np.concatenate(rows[-50:])
+            estimates = estimator.estimates(batch[:, 1], batch[:, 2])
+            if estimates:
+                tolerance = tolerance_for_gap(estimates[-1].gap, PlantModel().lead_screw.pitch)
+                on_the_way.append((round((batch[-1, 0] + delay) * 1e9), tolerance))
+    return np.concatenate(rows)
+
+
+def link(delay):
+    return LinkSettings(communication_delay=delay)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.33, 0.3301, 1.0])
+def test_the_loop_is_that_of_the_nodes_bit_for_bit(delay):
+    result = simulate_with_twin(SCENARIO, link=link(delay))
+    actual = np.column_stack([result.loop.t, result.loop.u, result.loop.q3])
+    assert actual.tobytes() == python_loop(delay).tobytes()
+    assert result.estimated_gaps.shape == result.estimate_times.shape
+    assert np.count_nonzero(np.diff(result.tolerances)) > 5
+
+
+def test_controller_and_twin_get_the_sensor_s_readings():
+    result = simulate_with_twin(dataclasses.replace(SCENARIO, sensor=NOISY), link=link(0.33))
+    actual = np.column_stack([result.loop.t, result.loop.u, result.loop.measured])
+    assert actual.tobytes() == python_loop(0.33, NOISY).tobytes()
+    assert np.count_nonzero(np.diff(result.tolerances)) > 5
+
+
+def test_the_dead_zones_reported_are_those_that_acted():
+    result = simulate_with_twin(SCENARIO, link=link(0.33))
+    again = simulate(Scenario(6.0, SCENARIO.reference, SCENARIO.gap, result.tolerances))
+    for name in ("u", "theta_d", "q1", "q3"):
+        assert getattr(again, name).tobytes() == getattr(result.loop, name).tobytes()
+
+
+def test_a_reconfiguration_arrives_after_its_delay():
+    result = simulate_with_twin(SCENARIO, link=link(0.33), keep=())
+    first = np.flatnonzero(result.tolerances)[0] / 500.0
+    sent = result.estimate_times[np.flatnonzero(result.estimated_gaps > 0)[0]]
+    # It is sent at the end of the batch in which its update period ended.
+    assert first == pytest.approx(np.ceil(sent / 0.1) * 0.1 + 0.33, abs=0.002)
+    assert result.loop.q2.size == 0
+
+
+def test_the_delay_may_differ_from_message_to_message():
+    fixed = simulate_with_twin(SCENARIO, link=link(0.33))
+    table = LinkSettings(delay_distribution="table", delay_table=(0.33,))
+    drawn = simulate_with_twin(SCENARIO, link=table)
+    assert fixed.loop.q3.tobytes() == drawn.loop.q3.tobytes()
+    uniform = LinkSettings(communication_delay=0.25, delay_distribution="uniform", delay_spread=1.0)
+    random = simulate_with_twin(SCENARIO, link=uniform)
+    assert random.tolerances.tobytes() != fixed.tolerances.tobytes()
+    pitch = PlantModel().lead_screw.pitch
+    assert set(random.tolerances) <= {
+        0.0,
+        *(tolerance_for_gap(gap, pitch) for gap in random.estimated_gaps),
+    }
+
+
+def test_what_is_lost_on_the_link_changes_nothing():
+    none = simulate_with_twin(SCENARIO, link=LinkSettings(request_loss=1.0))
+    assert not none.tolerances.any()
+    some = simulate_with_twin(SCENARIO, link=LinkSettings(request_loss=0.5))
+    every = simulate_with_twin(SCENARIO)
+    changes = [np.count_nonzero(np.diff(run.tolerances)) for run in (some, every)]
+    assert 0 < changes[0] < changes[1]
+
+
+class Certain:
+    """An estimator that is sure of a gap that grows by 0.01 rad/s."""
+
+    def restart(self):
+        pass
+
+    def update(self, batch, *, newest_only=False):
+        return Estimate(float(batch[-1, 0]), 0.2, uncertainty=0.01, growth=0.01)
+
+
+def test_any_estimator_will_do_and_the_dead_zone_is_a_bound_when_it_takes_effect():
+    settings = DeadZoneSettings(coverage_factor=2.0)
+    run = simulate_with_twin(SCENARIO, Certain(), link(0.33), settings)
+    bound = 0.2 + 2.0 * 0.01 + 0.01 * 0.33
+    assert run.tolerances[-1] == pytest.approx(bound * PlantModel().lead_screw.pitch, rel=1e-12)

@@ -1,0 +1,110 @@
+"""Requests to the controller's parameter service, and which controller is a new one."""
+
+import pytest
+from rclpy.node import Node
+
+from bdt_msgs_py.topics import CONTROLLER_NODE, PARAMETER_EVENTS
+from bdt_twin.dead_zone_requests import DeadZoneRequests
+from bdt_twin.link import Reconfiguration
+
+WIDE = Reconfiguration(due=0, estimated=0, tolerance=3e-5)
+
+
+class Asker:
+    """A node that asks for dead zones."""
+
+    def __init__(self, ros, timeout=20.0):
+        self.ros, self.ended = ros, 0
+        self.node = ros.create(Node, "asker")
+        self.requests = DeadZoneRequests(self.node, CONTROLLER_NODE, timeout, self._end)
+
+    def _end(self):
+        self.ended += 1
+
+    def start_controller(self):
+        """Start a controller and wait until it can be told from others."""
+        known = self.node.count_publishers(PARAMETER_EVENTS.name)
+        controller = self.ros.create(Node, CONTROLLER_NODE)
+        controller.declare_parameter("dead_zone_tolerance", 0.0)
+        self.ros.spin_until(lambda: self.node.count_publishers(PARAMETER_EVENTS.name) > known)
+        return controller
+
+    def ask(self):
+        self.requests.send(WIDE)
+        self.ros.spin_until(lambda: self.ended)
+
+
+def in_force(controller):
+    return controller.get_parameter("dead_zone_tolerance").value
+
+
+def test_a_controller_is_new_once(ros):
+    asker = Asker(ros)
+    assert not asker.requests.controller_appeared()
+    asker.start_controller()
+    assert asker.requests.controller_appeared()
+    assert not asker.requests.controller_appeared()
+
+
+def test_a_controller_that_has_answered_is_not_new(ros):
+    asker = Asker(ros)
+    controller = asker.start_controller()
+    asker.ask()
+    assert (asker.requests.accepted, in_force(controller)) == (1, WIDE.tolerance)
+    assert not asker.requests.controller_appeared()
+    asker.start_controller()
+    assert asker.requests.controller_appeared()
+
+
+def test_a_controller_that_comes_before_the_answer_of_another_one_is_new(ros):
+    asker = Asker(ros)
+    asker.start_controller()
+    assert asker.requests.controller_appeared()
+    asker.requests.send(WIDE)
+    ros.create(Node, CONTROLLER_NODE)
+    ros.spin_until(lambda: asker.ended)
+    assert asker.requests.accepted == 1
+    assert asker.requests.controller_appeared()
+
+
+def test_a_request_waits_for_the_service(ros):
+    asker = Asker(ros)
+    asker.requests.send(WIDE)
+    controller = asker.start_controller()
+    ros.spin_until(lambda: asker.ended)
+    assert (asker.requests.accepted, in_force(controller)) == (1, WIDE.tolerance)
+
+
+def test_a_request_that_waits_can_be_dropped(ros):
+    asker = Asker(ros)
+    asker.requests.send(WIDE)
+    asker.requests.drop()
+    assert asker.requests.in_flight is None
+    controller = asker.start_controller()
+    ros.spin_for(0.3)
+    assert in_force(controller) == 0.0
+    assert (asker.requests.accepted, asker.requests.failed) == (0, 0)
+
+
+def test_a_request_that_was_sent_gets_its_answer(ros):
+    asker = Asker(ros)
+    controller = asker.start_controller()
+    asker.ask()
+    asker.ended = 0
+    asker.requests.send(WIDE._replace(tolerance=4e-5))
+    asker.requests.drop()
+    assert asker.requests.in_flight is not None
+    ros.spin_until(lambda: asker.ended)
+    assert (asker.requests.accepted, in_force(controller)) == (2, 4e-5)
+
+
+@pytest.mark.parametrize("name", ["/left/controller", "controller"])
+def test_a_controller_in_another_namespace_is_another_one(ros, name):
+    left = ros.create(lambda **options: Node("asker", namespace="/left", **options))
+    requests = DeadZoneRequests(left, name, 20.0, lambda: None)
+    Asker(ros).start_controller()
+    ros.spin_until(lambda: left.count_publishers(PARAMETER_EVENTS.name) == 3)
+    assert not requests.controller_appeared()
+    controller = ros.create(lambda **options: Node("controller", namespace="/left", **options))
+    ros.spin_until(requests.controller_appeared)
+    assert controller.get_fully_qualified_name() == "/left/controller"

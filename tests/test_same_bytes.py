@@ -1,0 +1,113 @@
+"""The loop gives the same bytes with other versions of the libraries and on other processors.
+
+The digests hold in every environment that the tests run in: with the versions of requirements.lock
+on Python 3.11 and 3.12, and with those of `make test-noble`. Whoever changes a model or an
+estimator changes them, to the same new ones everywhere; run as a program this file prints them.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bdt_bringup.configuration import find_configuration, load_configuration
+from bdt_controller.parameters import PARAMETERS as CONTROLLER
+from bdt_msgs_py.parameter_tables import parameter_sets
+from bdt_plant.parameters import PARAMETERS as PLANT
+from bdt_plant.plant import PlantModel
+from bdt_study.simulation.closed_loop import Scenario
+from bdt_study.simulation.twin_loop import simulate_with_twin
+from bdt_twin.estimator_choice import create_estimator
+from bdt_twin.parameters import PARAMETERS as TWIN
+
+DURATION = 30.0
+
+HARSH = {
+    "plant": {
+        "gap.exponent": 1.7,
+        "motor.coulomb_friction": 1e-3,
+        "sensor.quantization": 0.0,
+        "sensor.delay": 4e-4,
+        "sensor.drop_probability": 0.01,
+    },
+    "controller": {},
+    "twin": {"delay_distribution": "log_normal", "delay_spread": 0.3},
+}
+"""What is added to laboratory.yaml so that all that rounds has a part in the loop."""
+
+CASES = {"paper": ("paper", {}), "laboratory": ("laboratory", {}), "harsh": ("laboratory", HARSH)}
+
+DIGESTS = {
+    "paper": "86982255de2973a01f084118fc8da64411f8282c6bf96c5512c1ee828a9d95f0",
+    "laboratory": "d60eedcc394e79ee963b2bb24ec5fee81ad95a858348a69a36e109ba02bac39e",
+    "harsh": "53def37b406d6956c3d2d752960628ea30082adf2992e5c8ef630acd0fb0afdc",
+}
+"""SHA-256 of 30 simulated seconds: voltage, position, reading, dead zone and estimates."""
+
+OLD_PROCESSOR = {
+    "OPENBLAS_CORETYPE": "Prescott",
+    "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4",
+    # The names of numpy 1, then those of numpy 2; each warns of those of the other.
+    "NPY_DISABLE_CPU_FEATURES": "AVX2 FMA3 AVX512F AVX512CD AVX512_SKX X86_V3 X86_V4 AVX512_ICL",
+    "PYTHONWARNINGS": "ignore",
+}
+"""Makes the libraries calculate as on a processor that cannot multiply and add at once."""
+
+
+def digest_of(case):
+    """Return the digest of a case."""
+    name, changes = CASES[case]
+    values = load_configuration(find_configuration(name)).values
+    plant, controller, twin = (
+        parameter_sets(table, values[node] | changes.get(node, {}))
+        for node, table in (("plant", PLANT), ("controller", CONTROLLER), ("twin", TWIN))
+    )
+    _, sampling, motor, lead_screw, structure, gap, actuator, sensor = plant
+    settings, gains, reference = controller
+    _, link, dead_zone, choice, inverse_filter, output_error, *known = twin
+    scenario = Scenario(
+        DURATION,
+        reference,
+        gap,
+        settings.dead_zone_tolerance,
+        PlantModel(motor, lead_screw, structure),
+        gains,
+        sampling,
+        sensor,
+        actuator,
+        settings.voltage_limit,
+    )
+    estimator = create_estimator(choice, PlantModel(*known), inverse_filter, output_error)
+    run = simulate_with_twin(scenario, estimator, link, dead_zone)
+    estimates = np.array(
+        [
+            (each.time, each.gap, each.uncertainty, each.growth, each.growth_uncertainty)
+            for each in run.estimates
+        ]
+    )
+    assert len(np.unique(run.tolerances)) > 5
+    signals = (run.loop.u, run.loop.q3, run.loop.measured, run.tolerances, estimates)
+    return sha256(b"".join(signal.tobytes() for signal in signals)).hexdigest()
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_bytes_are_those_of_every_other_environment(case):
+    assert digest_of(case) == DIGESTS[case]
+
+
+def test_the_bytes_are_the_same_on_an_old_processor():
+    # The folders of tests beside this file have the names of the packages.
+    program = [sys.executable, "-P", str(Path(__file__))]
+    ended = subprocess.run(
+        program, env=os.environ | OLD_PROCESSOR, capture_output=True, text=True, check=True
+    )
+    assert json.loads(ended.stdout) == DIGESTS
+
+
+if __name__ == "__main__":
+    print(json.dumps({case: digest_of(case) for case in CASES}, indent=4))
