@@ -16,13 +16,26 @@ import numpy as np
 import pytest
 
 from bdt_bringup.configuration import find_configuration, load_configuration
+from bdt_controller.controller import ControllerSettings
 from bdt_controller.parameters import PARAMETERS as CONTROLLER
+from bdt_controller.pid import PidGains
+from bdt_controller.reference import ReferenceProfile
 from bdt_msgs_py.parameter_tables import parameter_sets
+from bdt_plant.actuator import ActuatorParameters
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.lead_screw import LeadScrewParameters
+from bdt_plant.motor import MotorParameters
 from bdt_plant.parameters import PARAMETERS as PLANT
-from bdt_plant.plant import PlantModel
+from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.sensor import SensorParameters
+from bdt_plant.structure import StructureParameters
 from bdt_study.simulation.closed_loop import Scenario
 from bdt_study.simulation.twin_loop import simulate_with_twin
-from bdt_twin.estimator_choice import create_estimator
+from bdt_twin.dead_zone_tolerance import DeadZoneSettings
+from bdt_twin.estimator_choice import EstimatorChoice, create_estimator
+from bdt_twin.inverse_filter import InverseFilterSettings
+from bdt_twin.link import LinkSettings
+from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.parameters import PARAMETERS as TWIN
 
 DURATION = 30.0
@@ -59,31 +72,41 @@ OLD_PROCESSOR = {
 """Makes the libraries calculate as on a processor that cannot multiply and add at once."""
 
 
+def model_of(parameters):
+    """Return the mechanism that a node's parameters describe."""
+    return PlantModel(
+        *(parameters[part] for part in (MotorParameters, LeadScrewParameters, StructureParameters))
+    )
+
+
 def digest_of(case):
     """Return the digest of a case."""
     name, changes = CASES[case]
     values = load_configuration(find_configuration(name)).values
     plant, controller, twin = (
-        parameter_sets(table, values[node] | changes.get(node, {}))
+        {type(each): each for each in parameter_sets(table, values[node] | changes.get(node, {}))}
         for node, table in (("plant", PLANT), ("controller", CONTROLLER), ("twin", TWIN))
     )
-    _, sampling, motor, lead_screw, structure, gap, actuator, sensor = plant
-    settings, gains, reference = controller
-    _, link, dead_zone, choice, inverse_filter, output_error, *known = twin
+    settings = controller[ControllerSettings]
     scenario = Scenario(
         DURATION,
-        reference,
-        gap,
+        controller[ReferenceProfile],
+        plant[GapProfile],
         settings.dead_zone_tolerance,
-        PlantModel(motor, lead_screw, structure),
-        gains,
-        sampling,
-        sensor,
-        actuator,
+        model_of(plant),
+        controller[PidGains],
+        plant[Sampling],
+        plant[SensorParameters],
+        plant[ActuatorParameters],
         settings.voltage_limit,
     )
-    estimator = create_estimator(choice, PlantModel(*known), inverse_filter, output_error)
-    run = simulate_with_twin(scenario, estimator, link, dead_zone)
+    estimator = create_estimator(
+        twin[EstimatorChoice],
+        model_of(twin),
+        twin[InverseFilterSettings],
+        twin[OutputErrorSettings],
+    )
+    run = simulate_with_twin(scenario, estimator, twin[LinkSettings], twin[DeadZoneSettings])
     estimates = np.array(
         [
             (each.time, each.gap, each.uncertainty, each.growth, each.growth_uncertainty)
