@@ -16,7 +16,7 @@ from ros2cli.node_session import DEFAULT_SPIN_TIME
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
 
-TIMEOUT_S = 30
+TIMEOUT_S = 120
 COMMAND = [sys.executable, "-c", "from ros2cli.cli import main; raise SystemExit(main())"]
 
 

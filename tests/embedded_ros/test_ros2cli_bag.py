@@ -23,7 +23,7 @@ from rosbags.typesys import Stores, get_typestore
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, String
 
-TIMEOUT_S = 30
+TIMEOUT_S = 120
 COMMAND = [sys.executable, "-c", "from ros2cli.cli import main; raise SystemExit(main())"]
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
