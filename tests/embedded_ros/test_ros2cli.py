@@ -12,7 +12,7 @@ import pytest
 import yaml
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
-from ros2cli.node_session import DEFAULT_SPIN_TIME
+from ros2cli.commands.options import SPIN_TIME_S
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
 
@@ -107,7 +107,7 @@ def test_a_node_that_tells_its_name_late_is_waited_for(robot):
             assert robot.wait_for_node(f"/_ros2cli_{process.pid}", TIMEOUT_S)
             # rmw_fastrtps tells a newcomer of its nodes up to 3 s after it is found.
             with pytest.raises(subprocess.TimeoutExpired):
-                process.wait(DEFAULT_SPIN_TIME + 1.0)
+                process.wait(SPIN_TIME_S + 1.0)
             graph._own = nodes
             graph._publish()
             assert process.communicate(timeout=TIMEOUT_S)[0] == "/robot\n"
@@ -219,12 +219,10 @@ def test_service_calls(robot):
         + response.format(False)
     )
     assert short[0].endswith(response.format(True))
-    assert no_type == failure("The passed service type is invalid")
-    assert no_service == failure("The passed type is not a service")
-    assert no_field == failure(
-        "Failed to populate field: 'SetBool_Request' object has no attribute 'x'"
-    )
-    assert no_yaml[1].startswith("The passed value needs to be a dictionary in YAML format: ")
+    assert no_type == failure("Unknown service type 'std_srvs/srv/Nothing'")
+    assert no_service == failure("'std_msgs/msg/String' is a message, not a service")
+    assert no_field == failure("SetBool_Request has no field 'x', but data")
+    assert no_yaml[1].startswith("'{data: [' is not valid YAML: ")
     assert no_yaml[1].count("\n") == no_yaml[2] == 1
 
 
@@ -249,10 +247,11 @@ def test_definitions_are_shown():
         "uint64 DEPTH_RECURSIVE=0\nstring[] prefixes\nuint64 depth\n---\n"
         "ListParametersResult result\n\tstring[] names\n\tstring[] prefixes\n"
     )
-    assert unknown == failure("Could not find the interface 'std_msgs/msg/Nothing'")
-    assert no_package == failure("Unknown package 'nothing'")
+    assert unknown == failure("Unknown type 'std_msgs/msg/Nothing'")
+    assert no_package == failure("Unknown type 'nothing/msg/Nothing'")
     assert malformed == failure(
-        "Invalid name 'std_msgs/String'. Expected three parts separated by '/'"
+        "'std_msgs/String' is no type such as std_msgs/msg/String; "
+        "did you mean 'std_msgs/msg/String'?"
     )
 
 
@@ -295,7 +294,7 @@ def test_packages_and_executables():
 def test_the_doctor_tells_what_runs_over_what(robot):
     checked, report = ros2_all(("doctor",), ("doctor", "--report"))
     assert checked[0] == "\nAll 4 checks passed\n\n"
-    assert "UserWarning: Publisher without subscriber detected on /data.\n" in checked[1]
+    assert "UserWarning: /data is published, and nobody subscribes.\n" in checked[1]
     assert checked[2] == report[2] == 0
     for line in (
         r"   RUNTIME\nruntime +: embedded_ros",

@@ -1,6 +1,5 @@
 """Opening bags, with errors that a user can read."""
 
-import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -8,24 +7,9 @@ from typing import Any
 
 from ros2cli.errors import CommandError
 
-__all__ = ["STORAGES", "add_bag_arguments", "open_bag"]
+__all__ = ["open_bag"]
 
-STORAGES = ("mcap", "sqlite3")
-_SUFFIXES = {".mcap": "mcap", ".db3": "sqlite3"}
-
-
-def add_bag_arguments(verb: argparse.ArgumentParser) -> None:
-    """Add the arguments that name a bag."""
-    verb.add_argument("bag_path", type=_existing, help="Bag to open")
-    verb.add_argument(
-        "-s", "--storage", choices=STORAGES, help="Storage of the bag; found out by default"
-    )
-
-
-def _existing(text: str) -> str:
-    if not Path(text).exists():
-        raise argparse.ArgumentTypeError(f"Bag path '{text}' does not exist!")
-    return text
+_STORAGES = {".mcap": "mcap", ".db3": "sqlite3"}
 
 
 @contextmanager
@@ -40,18 +24,19 @@ def open_bag(path: Path, storage: str | None) -> Iterator[Any]:
     from rosbags.rosbag2 import Reader, ReaderError
 
     if path.is_dir() and not (path / "metadata.yaml").is_file():
-        raise CommandError(f"Could not find metadata in bag directory {path}")
-    if path.is_file() and _SUFFIXES.get(path.suffix) != (storage or _SUFFIXES.get(path.suffix, "")):
-        raise CommandError(f"No plugin detected that could open file {path}")
+        raise CommandError(f"{path} is no bag: it has no metadata.yaml")
+    if path.is_file():
+        found = _STORAGES.get(path.suffix)
+        if found is None or found != (storage or found):
+            raise CommandError(f"{path} is no {storage or 'mcap or sqlite3'} file by its name")
     try:
         reader = Reader(path)
         reader.open()
     except (ReaderError, OSError, AssertionError) as error:
-        reason = " ".join(str(error).split()) or "it is damaged"
-        raise CommandError(f"Could not open bag {path}: {reason}") from None
+        raise CommandError(f"Could not open bag {path}: {str(error) or 'it is damaged'}") from None
     try:
         yield reader
     except ReaderError as error:
-        raise CommandError(f"Could not read bag {path}: {' '.join(str(error).split())}") from None
+        raise CommandError(f"Could not read bag {path}: {error}") from None
     finally:
         reader.close()
