@@ -12,7 +12,9 @@ import pytest
 import yaml
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
+from ros2cli.cli import main
 from ros2cli.commands.options import SPIN_TIME_S
+from ros2cli.errors import CommandError, Terminated
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
 
@@ -57,6 +59,7 @@ def robot(ros, spin_in_thread):
     )
     node.declare_parameter("group.names", ["a", "b"])
     node.declare_parameter("size", 3, ParameterDescriptor(read_only=True))
+    node.declare_parameter("size.unit", "m")
     node.create_publisher(Float64MultiArray, "data", 10)
     node.create_publisher(String, "_secret", 10)
     node.create_subscription(String, "words", lambda _: None, 10)
@@ -128,7 +131,10 @@ def test_parameters_are_shown(robot):
         ("param", "get", "/robot", "nothing"),
         ("param", "get", "/nobody", "gain"),
     )
-    lines = "  gain\n  group.names\n  size\n  start_type_description_service\n  use_sim_time\n"
+    lines = (
+        "  gain\n  group.names\n  size\n  size.unit\n"
+        "  start_type_description_service\n  use_sim_time\n"
+    )
     assert listed == (lines, "", 0)
     assert everything == (f"/robot:\n{lines}", "", 0)
     assert "  group.names (type: string array)\n" in typed[0]
@@ -143,6 +149,32 @@ def test_parameters_are_shown(robot):
     )
     assert missing == failure("Parameter not set")
     assert nobody == failure("Node not found")
+
+
+def test_what_is_misspelled_is_answered_with_what_is_there(robot):
+    cases = {
+        ("node", "info", "/robt"): "Unable to find node '/robt'; did you mean '/robot'?",
+        ("param", "get", "/robt", "gain"): "Node not found; did you mean '/robot'?",
+        ("param", "get", "/robot", "gian"): "Parameter not set; did you mean 'gain'?",
+        ("param", "describe", "/robot", "gain", "zzz"): "Parameter not set: zzz",
+        ("param", "list", "--filter", "(", "/robot"): "--filter '(' is no regular expression: ",
+        ("service", "info", "/flop"): "Unknown service '/flop'; did you mean '/flip'?",
+        ("service", "call", "/flip", "std_srvs/srv/SetBol"): (
+            "Unknown service type 'std_srvs/srv/SetBol'; did you mean 'std_srvs/srv/SetBool'?"
+        ),
+        ("service", "call", "no name", "std_srvs/srv/Empty"): "Invalid service name: ",
+        ("topic", "info", "/dota"): "Unknown topic '/dota'; did you mean '/data'?",
+        ("run", "embedded_rose", "x"): (
+            "Package 'embedded_rose' not found; did you mean 'embedded_ros'?"
+        ),
+        ("run", "embedded_ros", "ros"): "No executable found; did you mean 'ros2'?",
+        ("run", "--prefix", "/no/gdb -x", "embedded_ros", "ros2"): "Could not start '/no/gdb': ",
+        ("run", "--prefix", "'", "embedded_ros", "ros2"): "--prefix ",
+    }
+    results = ros2_all(*cases)
+    for (words, complaint), (out, errors, code) in zip(cases.items(), results, strict=True):
+        assert (out, errors.count("\n"), code) == ("", 1, 1), (words, errors)
+        assert errors.startswith(complaint), words
 
 
 def test_parameters_are_set(robot):
@@ -163,18 +195,25 @@ def test_parameters_are_set(robot):
 
 def test_parameters_are_dumped_and_loaded(robot, tmp_path):
     path, other = tmp_path / "p.yaml", tmp_path / "q.yaml"
+    no_names = tmp_path / "r.yaml"
     path.write_text("/robot: {ros__parameters: {gain: 7.5, size: 9}}")
     other.write_text("/robot: [")
-    dumped, missing, malformed = ros2_all(
+    no_names.write_text("/robot: {ros__parameters: [1, 2]}")
+    dumped, missing, malformed, nameless = ros2_all(
         ("param", "dump", "/robot"),
         ("param", "load", "/robot", "/nowhere.yaml"),
         ("param", "load", "/robot", str(other)),
+        ("param", "load", "/robot", str(no_names)),
     )
     content = yaml.safe_load(dumped[0])["/robot"]["ros__parameters"]
     assert content["group"] == {"names": ["a", "b"]}
+    # Below a value nothing can be nested; a file with a dotted name is read the same.
+    assert (content["size"], content["size.unit"]) == (3, "m")
     assert missing == failure("[Errno 2] No such file or directory: '/nowhere.yaml'")
     assert malformed[1].startswith(f"{other} is not valid YAML: while parsing")
     assert malformed[1].count("\n") == malformed[2] == 1
+    assert nameless[1].startswith(f"{no_names} is no parameter file: ")
+    assert nameless[1].count("\n") == nameless[2] == 1
     assert ros2("param", "load", "/robot", str(path)) == (
         "Set parameter gain successful\n",
         "Set parameter size failed: Trying to set a read-only parameter: size.\n",
@@ -324,3 +363,42 @@ def test_commands_explain_themselves():
     for result in (unknown, unknown_verb):
         assert "invalid choice: 'nothing'" in result[1]
         assert result[2] == 2
+
+
+@pytest.mark.parametrize(
+    "words", [("interface", "list"), ("topic", "pub", "-r", "50", "/x", "std_msgs/msg/Empty")]
+)
+def test_a_reader_that_goes_away_is_no_error_text(words):
+    with subprocess.Popen(
+        [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        process.stdout.close()
+        try:
+            assert process.stderr.read() == ""
+            assert process.wait(TIMEOUT_S) == 1
+        finally:
+            process.kill()
+
+
+@pytest.mark.parametrize(
+    ("end", "code", "told"),
+    [
+        (KeyboardInterrupt(), 2, ""),
+        (Terminated(), 15, ""),
+        (CommandError("two\n  lines"), 1, "two lines\n"),
+        (RuntimeError("rclpy\nrefuses"), 1, "rclpy refuses\n"),
+    ],
+)
+def test_how_a_command_ends_is_its_exit_code(monkeypatch, capsys, end, code, told):
+    def show_packages(_arguments):
+        raise end
+
+    monkeypatch.setattr("ros2cli.interfaces.show_packages", show_packages)
+    assert main(["interface", "packages"]) == code
+    assert capsys.readouterr() == ("", told)
+
+
+def test_what_is_no_users_mistake_is_not_hidden(monkeypatch):
+    monkeypatch.setattr("ros2cli.interfaces.show_packages", lambda _arguments: {}["bug"])
+    with pytest.raises(KeyError):
+        main(["interface", "packages"])

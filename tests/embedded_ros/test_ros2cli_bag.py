@@ -303,12 +303,14 @@ def test_chosen_topics_are_played_again_and_again(ros, recorded, number):
 
 def test_bags_that_are_none(tmp_path):
     damaged, empty, folder = tmp_path / "a.mcap", tmp_path / "b.db3", tmp_path / "c"
-    incomplete = tmp_path / "d"
+    incomplete, not_text = tmp_path / "d", tmp_path / "e"
     damaged.write_bytes(b"\x89MCAP0\r\nnothing")
     empty.touch()
     folder.mkdir()
     incomplete.mkdir()
     (incomplete / "metadata.yaml").write_text("rosbag2_bagfile_information: {version: 9}")
+    not_text.mkdir()
+    (not_text / "metadata.yaml").write_bytes(b"\xff\xfe")
     missing, nothing, without, *unreadable = bag_all(
         ("play", "/nothing"),
         ("info", "/nothing"),
@@ -316,14 +318,31 @@ def test_bags_that_are_none(tmp_path):
         ("info", damaged),
         ("info", empty),
         ("info", incomplete),
+        ("info", not_text),
     )
     for _, errors, code in (missing, nothing):
         assert "argument bag_path: there is no '/nothing'" in errors
         assert (errors.count("\n"), code) == (1, 2)
     assert without == ("", f"{folder} is no bag: it has no metadata.yaml\n", 1)
-    for path, (out, errors, code) in zip((damaged, empty, incomplete), unreadable, strict=True):
+    for path, (out, errors, code) in zip(
+        (damaged, empty, incomplete, not_text), unreadable, strict=True
+    ):
         assert errors.startswith(f"Could not open bag {path}: ")
         assert (out, errors.count("\n"), code) == ("", 1, 1), errors
+
+
+def test_damage_in_the_middle_of_a_bag_is_one_line(ros, recorded):
+    (path,) = recorded.glob("*.mcap")
+    content = bytearray(path.read_bytes())
+    # What is behind the summary's message counts is not looked at before it is played.
+    payload = serialize_message(String(data="kept"))
+    content[content.index(payload) - 31 : content.index(payload)] = b"\xff" * 31
+    path.write_bytes(content)
+    ((out, errors, code),) = bag_all(("play", "-r", "10", recorded))
+    assert out == ""
+    assert errors.splitlines()[-1].startswith(f"Could not read bag {recorded}: ")
+    assert "Traceback" not in errors
+    assert code == 1
 
 
 def test_recordings_that_cannot_be():

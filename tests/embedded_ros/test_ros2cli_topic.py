@@ -71,12 +71,13 @@ def robot(ros, spin_in_thread):
 
 
 def test_topics_are_listed(robot):
-    names, count, verbose, found, found_count, typed, unknown = topic_all(
+    names, count, verbose, found, found_count, none, typed, unknown = topic_all(
         ("list", "-t", "--no-daemon"),
         ("list", "-c"),
         ("list", "-v"),
         ("find", "sensor_msgs/msg/JointState"),
         ("find", "-c", "std_msgs/msg/String"),
+        ("find", "-c", "std_msgs/msg/Bool"),
         ("type", "/data"),
         ("type", "/nothing"),
     )
@@ -96,6 +97,7 @@ def test_topics_are_listed(robot):
     )
     assert found == ("/joints\n", "", 0)
     assert found_count == ("3\n", "", 0)
+    assert none == ("0\n", "", 0)
     assert typed == ("std_msgs/msg/Float64MultiArray\n", "", 0)
     assert unknown == ("", "", 1)
 

@@ -16,7 +16,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.time import Time
 from ros2cli.bag_qos import profile_to_offer
-from ros2cli.bag_reading import open_bag
+from ros2cli.bag_reading import messages_of, open_bag
 from ros2cli.errors import CommandError, Terminated
 from ros2cli.messages import import_type
 from ros2cli.node_session import command_node, full_topic_name
@@ -115,7 +115,7 @@ class _Player:
             return
         began = time.monotonic()
         self._next_clock = began if self._clock is not None else float("inf")
-        for connection, stamp, payload in self._reader.messages(connections, start, stop):
+        for connection, stamp, payload in messages_of(self._reader, connections, start, stop):
             due = began + (stamp - start) / _NANOSECONDS / rate
             self._publish_clock_until(due, began, start)
             self.wait(due - time.monotonic())

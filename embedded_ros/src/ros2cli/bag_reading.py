@@ -1,13 +1,13 @@
 """Opening bags, with errors that a user can read."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ros2cli.errors import CommandError
 
-__all__ = ["open_bag"]
+__all__ = ["messages_of", "open_bag"]
 
 _STORAGES = {".mcap": "mcap", ".db3": "sqlite3"}
 
@@ -21,7 +21,7 @@ def open_bag(path: Path, storage: str | None) -> Iterator[Any]:
     rosbags.rosbag2.Reader
     """
     # Imported here: it takes longer than all other commands need to start.
-    from rosbags.rosbag2 import Reader, ReaderError
+    from rosbags.rosbag2 import Reader
 
     if path.is_dir() and not (path / "metadata.yaml").is_file():
         raise CommandError(f"{path} is no bag: it has no metadata.yaml")
@@ -29,14 +29,26 @@ def open_bag(path: Path, storage: str | None) -> Iterator[Any]:
         found = _STORAGES.get(path.suffix)
         if found is None or found != (storage or found):
             raise CommandError(f"{path} is no {storage or 'mcap or sqlite3'} file by its name")
-    try:
+    with _damage_told(f"Could not open bag {path}"):
         reader = Reader(path)
         reader.open()
-    except (ReaderError, OSError, AssertionError) as error:
-        raise CommandError(f"Could not open bag {path}: {str(error) or 'it is damaged'}") from None
     try:
         yield reader
-    except ReaderError as error:
-        raise CommandError(f"Could not read bag {path}: {error}") from None
     finally:
         reader.close()
+
+
+def messages_of(
+    reader: Any, connections: Sequence[Any], start: int, stop: int | None
+) -> Iterator[tuple[Any, int, bytes]]:
+    """Connections, times in ns and bytes of the messages from `start` on and before `stop`."""
+    with _damage_told(f"Could not read bag {reader.path}"):
+        yield from reader.messages(connections, start, stop)
+
+
+@contextmanager
+def _damage_told(complaint: str) -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:  # noqa: BLE001 - damaged bytes lead rosbags to any error
+        raise CommandError(f"{complaint}: {str(error) or 'it is damaged'}") from None

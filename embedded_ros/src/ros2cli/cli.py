@@ -6,9 +6,7 @@ import sys
 from collections.abc import Sequence
 from pkgutil import resolve_name
 
-from ros2cli.commands import COMMANDS
 from ros2cli.errors import CommandError, Terminated, one_line
-from ros2cli.grammar import build_parser
 
 __all__ = ["main"]
 
@@ -43,6 +41,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _answer(argv: Sequence[str] | None) -> int:
     try:
+        # Imported here, so that Ctrl-C ends a command without a word from its beginning on.
+        from ros2cli.commands import COMMANDS
+        from ros2cli.grammar import build_parser
+
         arguments = build_parser("ros2", "Talk to ROS 2 nodes.", COMMANDS).parse_args(argv)
         call = arguments.call
         if isinstance(call, str):
