@@ -364,6 +364,47 @@ def test_an_estimator_of_somebody_else_sets_a_dead_zone_with_its_margin(
     assert bench.health["estimator"] == "stubborn:Stubborn"
 
 
+UNSURE = """
+import math
+
+from bdt_twin.estimator import Estimate
+
+class Unsure:
+    def restart(self):
+        self.uncertainty = 10.0
+
+    def update(self, batch):
+        self.uncertainty /= 1000.0
+        return Estimate(batch[-1, 0], 0.25, 1000.0 * self.uncertainty)
+"""
+
+
+def test_a_dead_zone_at_its_bound_is_a_warning(ros, telemetry, tmp_path, monkeypatch):
+    (tmp_path / "unsure.py").write_text(UNSURE)
+    monkeypatch.chdir(tmp_path)
+    bench = Bench(
+        ros,
+        estimator__kind="unsure:Unsure",
+        dead_zone__coverage_factor=2.0,
+        dead_zone__largest_growth=0.3,
+        communication_delay=0.0,
+    )
+    bench.run(telemetry[:BATCH])
+    ros.spin_until(lambda: bench.requests)
+    assert bench.requests[0][1] == pytest.approx(1e-3 / (2 * np.pi) * (0.25 + 0.3), rel=1e-9)
+    for _ in range(2):
+        health = bench.twin._health()
+        assert not health.ok, "as long as it lasts"
+        assert "the gap is too uncertain: dead_zone.largest_growth bounds" in health.summary
+        assert health.values["dead_zone_at_bound"]
+    bench.run(telemetry[BATCH : 2 * BATCH])
+    ros.spin_until(lambda: bench.health["estimates"] == 2)
+    health = bench.twin._health()
+    assert health.ok
+    assert not health.values["dead_zone_at_bound"]
+    sys.modules.pop("unsure")
+
+
 FAILS_ONCE = """
 from bdt_twin.estimator import Estimate
 
