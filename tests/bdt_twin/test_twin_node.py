@@ -250,16 +250,53 @@ def test_a_controller_that_is_not_there_is_counted_and_the_twin_goes_on(ros, tel
     assert bench.health["estimates"] > 0
 
 
+def test_a_reconfiguration_without_an_answer_is_tried_again_until_it_has_one(ros, telemetry):
+    """A twin that was paused, or a controller that was, must not cost a dead zone."""
+    bench = Bench(ros, communication_delay=0.0, service_timeout=0.1)
+    ros.executor.remove_node(bench.peer)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.health["estimates"] > 0)
+    sent = bench.health["estimates"]
+    ros.spin_until(lambda: bench.health["failed_reconfigurations"] > sent + 2)
+    assert bench.health["reconfigurations"] == 0
+    assert bench.twin._delivery.next_due() is not None, "a plant in lockstep waits for it"
+    bench.ros.executor.add_node(bench.peer)
+    ros.spin_until(lambda: bench.health["reconfigurations"] == 1)
+    in_force = bench.peer.get_parameter("dead_zone_tolerance").value
+    assert in_force == pytest.approx(1e-3 / (2 * np.pi) * bench.estimates[-1][1], rel=1e-12)
+    assert bench.twin._delivery.next_due() is None
+
+
+def test_a_reconfiguration_without_an_answer_is_not_tried_again_after_a_take_over(ros, telemetry):
+    bench = Bench(ros, communication_delay=0.0, service_timeout=0.3)
+    ros.executor.remove_node(bench.peer)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.twin._delivery.requests.in_flight is not None)
+    (result,) = bench.twin.set_parameters([Parameter("reconfigure", value=False)])
+    assert result.successful
+    ros.spin_until(lambda: bench.twin._delivery.requests.in_flight is None)
+    failed = bench.health["failed_reconfigurations"]
+    ros.spin_for(0.5)
+    assert bench.health["failed_reconfigurations"] == failed
+
+
+def test_a_refused_reconfiguration_is_not_tried_again(ros, telemetry):
+    bench = Bench(ros, accept=False, communication_delay=0.0)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.health["failed_reconfigurations"] >= 1)
+    ros.spin_until(lambda: bench.twin._delivery.next_due() is None)
+
+
 def test_a_controller_that_comes_anew_is_sent_what_is_in_force_after_the_delay(ros, telemetry):
     bench = Bench(ros, communication_delay=0.2, service_timeout=1.0)
     bench.run(telemetry[:7500])
     ros.spin_until(lambda: bench.health["reconfigurations"] >= 1)
-    in_force = bench.peer.get_parameter("dead_zone_tolerance").value
-    ros.executor.remove_node(bench.peer)
-    bench.peer.destroy_node()
     # What was on its way is over before the new one comes.
     bench.tick(3.0)
     ros.spin_until(lambda: bench.twin._delivery.next_due() is None)
+    in_force = bench.peer.get_parameter("dead_zone_tolerance").value
+    ros.executor.remove_node(bench.peer)
+    bench.peer.destroy_node()
     bench.peer = bench.start_controller()
     ros.spin_until(lambda: bench.twin._reconfigurator.next_due() is not None)
     assert bench.twin._reconfigurator.next_due() == 3_200_000_000
