@@ -103,6 +103,16 @@ def test_a_repeated_measurement_gets_the_same_answer_and_moves_nothing(ros):
     assert bench.measure(2 * PERIOD, 2e-3)[1] == fresh.step(5e-3, 2e-3)
 
 
+def test_simulated_time_without_a_clock_is_told(ros):
+    bench = Bench(ros, use_sim_time=True)
+    wall = 1_795_000_000_000_000_000
+    for number in range(15):
+        bench.measure(wall + number * 90_000_000, 0.0)
+    health = bench.controller._health()
+    assert not health.ok
+    assert "use_sim_time is true and nobody publishes /clock" in health.summary
+
+
 def test_time_that_goes_back_for_good_starts_a_new_run(ros):
     bench = Bench(ros)
     _, first = bench.measure(0, 0.0)

@@ -338,6 +338,21 @@ def test_telemetry_of_absurd_times_is_rejected_and_the_run_goes_on(ros, telemetr
     assert bench.health["estimates"] > 0
 
 
+@pytest.mark.parametrize("start", [0.0, 1_795_000_000.0])
+def test_simulated_time_without_a_clock_is_told(ros, telemetry, start):
+    """Left true with hardware: estimates, and no reconfiguration ever arrives."""
+    bench = Bench(ros, communication_delay=0.0)
+    rows = telemetry.copy()
+    rows[:, 0] += start
+    for first in range(0, 7500, BATCH):
+        bench.send(rows[first : first + BATCH])
+    ros.spin_until(lambda: bench.health["estimates"] > 0)
+    health = bench.twin._health()
+    assert not health.ok
+    assert "use_sim_time is true and nobody publishes /clock" in health.summary
+    assert not bench.requests
+
+
 def test_two_twins_are_noticed(ros):
     bench = Bench(ros)
     ros.create(TwinNode)

@@ -123,6 +123,7 @@ class ControllerNode(Node):
             self._reset()
         self._source = self._source or self._command_source()
         self._count_missed(stamp)
+        self._admission.note_time(stamp)
         self._last_stamp = stamp
         self._voltage = self._next_voltage(stamp, position)
 

@@ -146,6 +146,7 @@ class TwinNode(Node):
             self._estimation.put_hole(admitted.hole)
         for number, rows in enumerate(admitted.batches):
             self._received = nanoseconds_from_seconds(rows[-1, 0])
+            self._admission.note_time(self._received)
             self._estimation.put(rows, begins=admitted.begins and number == 0)
 
     def _simulated_time(self) -> float | None:
