@@ -457,6 +457,35 @@ def test_a_dead_zone_at_its_bound_is_a_warning(ros, telemetry, tmp_path, monkeyp
     sys.modules.pop("unsure")
 
 
+NOW_AND_THEN = """
+import time
+
+from bdt_twin.estimator import Estimate
+
+class NowAndThen:
+    def restart(self):
+        self.batches = 0
+
+    def update(self, batch):
+        self.batches += 1
+        if self.batches > 1:
+            return None
+        time.sleep(0.2)
+        return Estimate(batch[-1, 0], 0.25)
+"""
+
+
+def test_the_time_of_a_window_is_that_of_the_last_estimate(ros, telemetry, tmp_path, monkeypatch):
+    """Most batches only wait for the window to be full."""
+    (tmp_path / "now_and_then.py").write_text(NOW_AND_THEN)
+    monkeypatch.chdir(tmp_path)
+    bench = Bench(ros, estimator__kind="now_and_then:NowAndThen")
+    bench.run(telemetry[: 3 * BATCH])
+    ros.spin_until(lambda: bench.health["telemetry_accepted"] == 3)
+    assert bench.health["window_time_s"] >= 0.2
+    sys.modules.pop("now_and_then")
+
+
 FAILS_ONCE = """
 from bdt_twin.estimator import Estimate
 

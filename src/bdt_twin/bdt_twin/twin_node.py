@@ -172,11 +172,11 @@ class TwinNode(Node):
             if outcome.begins:
                 self._delivery.restart()
                 self._estimate = None
-            self._window_time = outcome.seconds
             if math.isfinite(outcome.newest):
                 self._telemetry_end = nanoseconds_from_seconds(outcome.newest)
                 self._batch_samples = outcome.samples
             if outcome.estimate is not None:
+                self._window_time = outcome.seconds
                 self._use(outcome.estimate)
             self._publish_progress()
 
