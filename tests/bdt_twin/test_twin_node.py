@@ -1,6 +1,7 @@
 """The twin node: telemetry in, estimates out, the dead zone of a controller reconfigured."""
 
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -368,6 +369,44 @@ def broken(rows, how):
     if how == "hole":
         rows[250:, 0] += 0.01
     return rows
+
+
+@pytest.mark.parametrize("rate", [1000.0, 4000.0])
+def test_telemetry_of_another_rate_is_rejected_and_the_step_is_told(ros, telemetry, rate):
+    """What docs/source/how-to/use-your-own-hardware.md promises."""
+    bench = Bench(ros, estimator__sampling_rate=rate)
+    bench.tick(0.1)
+    for start in (0, BATCH):
+        bench.send(telemetry[start : start + BATCH])
+    ros.spin_until(lambda: bench.health["rejected_messages_by_reason"] == "telemetry samples: 2")
+    last = bench.health["last_rejected_message"]
+    assert last.startswith("telemetry: time step of 0.0002")
+    assert bench.health["estimates"] == 0
+
+
+def test_batches_of_any_length_give_the_same_estimates(ros, telemetry):
+    bench = Bench(ros)
+    ends = [0, 1, 8, 500, 1733, 1734, 7500]
+    for first, end in pairwise(ends):
+        bench.send(telemetry[first:end])
+    core = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
+    expected = [one.gap for one in core.estimates(telemetry[:7500, 1], telemetry[:7500, 2])]
+    ros.spin_until(lambda: bench.estimates and bench.estimates[-1][1] == expected[-1])
+
+
+def test_a_clock_that_goes_back_makes_the_next_but_one_batch_another_run(ros, telemetry):
+    bench = Bench(ros)
+    rows = telemetry.copy()
+    rows[:, 0] += 5.0
+    bench.tick(5.0)
+    bench.send(rows[:500])
+    bench.send(rows[500:1000])
+    bench.send(telemetry[:500])
+    assert bench.health["rejected_messages_by_reason"] == "telemetry time: 1"
+    ros.spin_for(2 * SILENCE)
+    bench.send(telemetry[500:1000])
+    bench.wait_for_progress(199_800_000)
+    assert bench.health["telemetry_accepted"] == 4
 
 
 STUBBORN = """
