@@ -7,8 +7,8 @@ from typing import Any, Final, NamedTuple
 
 from embedded_ros import cyclone
 from embedded_ros.endpoints import Reader, Writer
+from embedded_ros.qos_policies import QoSPolicyKind
 from rclpy.callback_groups import CallbackGroup
-from rclpy.qos import QoSPolicyKind
 
 __all__ = [
     "LIVELINESS_CHANGED",

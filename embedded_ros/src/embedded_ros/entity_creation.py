@@ -223,7 +223,7 @@ class EntityCreation(OwnedEntities, NodeNames, NodeParameters):
             context=self._context,
             autostart=autostart,
         )
-        timer._wake = self._wake_executor
+        timer._alarm.on_change = self._wake_executor
         group.add_entity(timer)
         self._timers.append(timer)
         self._wake_executor()

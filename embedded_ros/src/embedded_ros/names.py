@@ -6,7 +6,7 @@ The validators return None, or the text and the position that rcl and rmw give f
 import re
 from typing import Final
 
-from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
+from embedded_ros.errors import InvalidServiceNameException, InvalidTopicNameException
 
 __all__ = [
     "IS_INVALID",

@@ -110,7 +110,7 @@ class OwnedEntities:
 
     def destroy_rate(self, rate: Rate) -> bool:
         """Destroy a rate; False if it is not one of this node."""
-        success = self.destroy_timer(rate._timer)
+        success = self.destroy_timer(rate._ticker)
         rate.destroy()
         return success
 

@@ -98,7 +98,7 @@ class Readiness:
         if self._yielded or self._tasks or self._entities_changed:
             return 0
         for timer in self._timers:
-            until = timer._nanoseconds_left()
+            until = timer._due_in()
             if until is None or until >= left:
                 continue
             group = timer.callback_group
@@ -113,7 +113,7 @@ class Readiness:
         ready: list[Entity] = []
         # A timer that came due while something else ended the wait makes the next one short.
         if timers_too:
-            ready += [timer for timer in self._timers if timer._nanoseconds_left() == 0]
+            ready += [timer for timer in self._timers if timer._due_in() == 0]
         ready += [self._attached[ref] for ref in fired if ref in self._attached]
         if len(ready) > 1:
             ready.sort(key=lambda entity: _ORDER[type(entity)])

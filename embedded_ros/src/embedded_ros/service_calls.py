@@ -17,8 +17,8 @@ from cyclonedds._clayer import (
 from embedded_ros import cyclone
 from embedded_ros.cdr import ENCAPSULATION, CdrError, codec
 from embedded_ros.endpoints import Reader, Writer
+from embedded_ros.qos_profile import QoSProfile
 from embedded_ros.session import Session
-from rclpy.qos import QoSProfile
 
 __all__ = ["ClientPorts", "RequestHeader", "ServerPorts"]
 
