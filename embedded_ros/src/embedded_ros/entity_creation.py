@@ -38,6 +38,7 @@ class EntityCreation(OwnedEntities, NodeNames, NodeParameters):
     """Makes what a node can have."""
 
     _context: Context
+    _clock: Clock
     _logger: RcutilsLogger
 
     def _init_groups(self) -> None:

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from embedded_ros.errors import RCLError, RCLInvalidROSArgsError
 from embedded_ros.names import IS_INVALID, expand, expand_valid, full_topic_name_error, join
-from embedded_ros.ros_arguments import NO_ARGUMENTS, RosArguments, parse_arguments
+from embedded_ros.parameter_value import Parameter
+from embedded_ros.ros_arguments import (
+    NO_ARGUMENTS,
+    RosArguments,
+    parameter_overrides,
+    parse_arguments,
+)
 from rclpy.context import Context
-from rclpy.parameter import Parameter
 from rclpy.validate_namespace import validate_namespace
 from rclpy.validate_node_name import validate_node_name
 
@@ -50,10 +55,8 @@ class NodeNames:
         return any(switch in arguments.switches for arguments in self._arguments)
 
     def _overrides(self, given: list[Parameter]) -> dict[str, Parameter]:
-        overrides: dict[str, Parameter] = {}
-        for arguments in reversed(self._arguments):  # the node's own ones win
-            values = arguments.parameters_of(self._name, self._namespace)
-            overrides |= {name: Parameter(name, value=value) for name, value in values.items()}
+        values = parameter_overrides(self._arguments, self._name, self._namespace)
+        overrides = {name: Parameter(name, value=value) for name, value in values.items()}
         return overrides | {parameter.name: parameter for parameter in given}
 
     def get_name(self) -> str:

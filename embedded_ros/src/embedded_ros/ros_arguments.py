@@ -13,7 +13,13 @@ from embedded_ros.yaml_values import (
     typed_value,
 )
 
-__all__ = ["NO_ARGUMENTS", "RosArguments", "parse_arguments", "without_ros_arguments"]
+__all__ = [
+    "NO_ARGUMENTS",
+    "RosArguments",
+    "parameter_overrides",
+    "parse_arguments",
+    "without_ros_arguments",
+]
 
 _LEVELS = {"debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 _SWITCHES = {
@@ -87,6 +93,16 @@ class RosArguments:
 
 
 NO_ARGUMENTS = RosArguments()
+
+
+def parameter_overrides(
+    arguments: Sequence[RosArguments], node: str, namespace: str
+) -> dict[str, ParameterValue]:
+    """Values that arguments give the parameters of a node; earlier arguments win over later."""
+    overrides: dict[str, ParameterValue] = {}
+    for each in reversed(arguments):
+        overrides |= each.parameters_of(node, namespace)
+    return overrides
 
 
 def _pattern(text: str) -> re.Pattern[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import weakref
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 # Programs that make a node find these as rclpy.executors and so on without importing them.
@@ -14,6 +15,9 @@ import rclpy.validate_topic_name  # noqa: F401
 from embedded_ros.entity_creation import EntityCreation
 from embedded_ros.names import join
 from embedded_ros.node_graph import NodeGraph
+from embedded_ros.parameter_messages import event_message
+from embedded_ros.parameter_store import ParameterStore
+from embedded_ros.parameter_table import Changes
 from embedded_ros.rosout import RosoutPublisher
 from rclpy.clock import Clock, ROSClock
 from rclpy.context import Context
@@ -31,6 +35,7 @@ if TYPE_CHECKING:
     from embedded_ros.graph import NodeEntities
     from embedded_ros.session import Session
     from rclpy.executors import Executor
+    from rclpy.publisher import Publisher
 
 __all__ = ["Node"]
 
@@ -74,7 +79,7 @@ class Node(EntityCreation, NodeGraph):
         automatically_declare_parameters_from_overrides: bool = False,
         enable_logger_service: bool = False,
     ) -> None:
-        from rcl_interfaces.msg import ParameterDescriptor, ParameterEvent
+        from rcl_interfaces.msg import ParameterEvent
 
         self._context = get_default_context() if context is None else context
         session = self._context.handle
@@ -88,11 +93,9 @@ class Node(EntityCreation, NodeGraph):
             namespace,
             use_global_arguments=use_global_arguments,
         )
-        self._init_parameters(allow_undeclared=allow_undeclared_parameters)
         self._init_entities()
         self._init_groups()
         self._executor: weakref.ref[Executor] | None = None
-        self._parameter_event_publisher = None
         logger_name = join(self._namespace, self._name).strip("/").replace("/", ".")
         self._logger = get_logger(logger_name)
 
@@ -104,20 +107,18 @@ class Node(EntityCreation, NodeGraph):
         try:
             if enable_rosout and not self._says("--disable-rosout-logs"):
                 self._closeables.add(RosoutPublisher(session, self._entities, logger_name))
-            self._parameter_event_publisher = self.create_publisher(
+            self._clock = ROSClock()
+            events = self.create_publisher(
                 ParameterEvent, "/parameter_events", qos_profile_parameter_events
             )
-            self._parameter_overrides = self._overrides(parameter_overrides or [])
-            self._clock = ROSClock()
+            self._parameter_store = ParameterStore(
+                overrides=self._overrides(parameter_overrides or []),
+                allow_undeclared=allow_undeclared_parameters,
+                announce=partial(_announce, self.get_fully_qualified_name(), self._clock, events),
+            )
             if automatically_declare_parameters_from_overrides:
-                self.declare_parameters(
-                    "",
-                    [
-                        (name, parameter.value, ParameterDescriptor())
-                        for name, parameter in self._parameter_overrides.items()
-                    ],
-                    ignore_override=True,
-                )
+                given = self._parameter_store.overrides.items()
+                self.declare_parameters("", [(name, override.value) for name, override in given])
             self._time_source = TimeSource(node=self)
             self._time_source.attach_clock(self._clock)
             if start_parameter_services:
@@ -171,10 +172,14 @@ class Node(EntityCreation, NodeGraph):
         """Destroy the node and all that it made. Again is fine."""
         if not self._leave.alive:
             return
-        self._parameter_event_publisher = None
+        self._parameter_store.announce = None
         self._destroy_entities()
         self._leave()
         self._wake_executor()
+
+
+def _announce(node: str, clock: Clock, publisher: Publisher, changes: Changes) -> None:
+    publisher.publish(event_message(node, clock.now().to_msg(), changes))
 
 
 def _leave(session: Session, entities: NodeEntities, closeables: set[Any]) -> None:
