@@ -32,13 +32,7 @@ class Parameter:
     Type: TypeAlias = ParameterType
 
     def __init__(self, name: str, type_: ParameterType | None = None, value: Any = None) -> None:
-        if type_ is None:
-            type_ = ParameterType.from_parameter_value(value)
-        elif not isinstance(type_, ParameterType):
-            raise TypeError(f"type must be an instance of '{ParameterType!r}'")
-        elif not type_.check(value):
-            raise ValueError(f"Type '{type_}' and value '{value}' do not agree")
-        self._content = (name, type_, value)
+        self._content = (name, _agreed(type_, value), value)
 
     @classmethod
     def from_parameter_msg(cls, param_msg: Any) -> Parameter:
@@ -78,3 +72,15 @@ class Parameter:
         return message_class("rcl_interfaces/msg/Parameter")(
             name=self.name, value=self.get_parameter_value()
         )
+
+
+def _agreed(type_: ParameterType | None, value: Any) -> ParameterType:
+    """Type that was given, or else the one that fits the value."""
+    match type_:
+        case None:
+            return ParameterType.from_parameter_value(value)
+        case ParameterType() if type_.check(value):
+            return type_
+        case ParameterType():
+            raise ValueError(f"Type '{type_}' and value '{value}' do not agree")
+    raise TypeError(f"type must be an instance of '{ParameterType!r}'")
