@@ -94,9 +94,11 @@ def _misfit_of_double(parameter: Parameter, ranges: Any) -> str | None:
     if not (low < value < high):
         where = f"Min: {low}, Max: {high}, value: {value}"
         return f"Parameter {parameter.name} out of range {where}"
-    if step == 0:
+    # From an infinite end no steps can be counted, nor endlessly small ones from any.
+    steps = (value - low) / step if step else math.inf
+    if not math.isfinite(steps):
         return None
-    nearest = low + round((value - low) / step) * step
+    nearest = low + round(steps) * step
     if math.isclose(nearest, value, rel_tol=_CLOSENESS):
         return None
     grid = f"Min: {low}, max: {high}, value: {value}, step: {step}"

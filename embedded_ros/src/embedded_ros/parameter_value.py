@@ -75,12 +75,10 @@ class Parameter:
 
 
 def _agreed(type_: ParameterType | None, value: Any) -> ParameterType:
-    """Type that was given, or else the one that fits the value."""
-    match type_:
-        case None:
-            return ParameterType.from_parameter_value(value)
-        case ParameterType() if type_.check(value):
-            return type_
-        case ParameterType():
-            raise ValueError(f"Type '{type_}' and value '{value}' do not agree")
+    """Type that was given, or else the one that fits the value, if the value is of it."""
+    match type_ or ParameterType.from_parameter_value(value):
+        case ParameterType() as agreed if agreed.check(value):
+            return agreed
+        case ParameterType() as wrong:
+            raise ValueError(f"Type '{wrong}' and value '{value}' do not agree")
     raise TypeError(f"type must be an instance of '{ParameterType!r}'")
