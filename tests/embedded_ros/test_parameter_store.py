@@ -16,6 +16,7 @@ from embedded_ros.errors import (
 from embedded_ros.message_classes import message_class
 from embedded_ros.parameter_declaration import read_declarations
 from embedded_ros.parameter_store import ParameterStore
+from embedded_ros.parameter_table import Entry, ParameterTable
 from embedded_ros.parameter_type import ParameterType
 from embedded_ros.parameter_value import Parameter
 from hypothesis import given
@@ -106,14 +107,6 @@ def test_a_reader_in_another_thread_sees_all_of_a_change_or_nothing(store):
     assert not torn
 
 
-def test_descriptors_that_are_given_stay_as_they_are():
-    store, shared = ParameterStore(), descriptor(description="both")
-    declare(store, ("a", 1, shared), ("b", "x", shared))
-    assert [store.descriptor(name).name for name in "ab"] == ["a", "b"]
-    assert [store.descriptor(name).type for name in "ab"] == [2, 4]
-    assert (shared.name, shared.type) == ("", 0)
-
-
 def test_a_callback_may_remove_itself(store):
     calls = []
 
@@ -128,9 +121,8 @@ def test_a_callback_may_remove_itself(store):
 
 
 def test_overrides_take_the_place_of_defaults():
-    empty = Parameter("a", ParameterType.STRING_ARRAY, [])
-    store = ParameterStore(overrides={"a": empty, "b": Parameter("b", value=1)})
-    assert declare(store, ("a", ["x"])) == [empty]
+    store = ParameterStore(overrides={"a": Parameter("a", value=2), "b": Parameter("b", value=1)})
+    assert [parameter.value for parameter in declare(store, ("a", 1))] == [2]
     with pytest.raises(InvalidParameterTypeException, match="expecting type 'DOUBLE'"):
         declare(store, ("b", 1.0))
     assert "b" not in store
@@ -179,11 +171,9 @@ def test_every_set_does_all_or_nothing_and_says_which(changes):
 
 @given(st.lists(st.tuples(NAMES, st.integers()), max_size=4))
 def test_a_change_can_be_taken_back(wanted):
-    from embedded_ros.parameter_table import ParameterTable
-
     table = ParameterTable()
-    table.declare(Parameter("a", value=1), descriptor())
-    table.declare(Parameter("b.x"), descriptor(dynamic_typing=True))
+    table.declare(Entry(Parameter("a", value=1), descriptor()))
+    table.declare(Entry(Parameter("b.x"), descriptor(dynamic_typing=True)))
     before = dict(table.items())
     table.take_back(table.set([Parameter(name, value=value) for name, value in wanted]))
     assert dict(table.items()) == before

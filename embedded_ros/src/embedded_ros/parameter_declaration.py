@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from copy import copy
 from typing import Any, NamedTuple
 
 from embedded_ros.errors import InvalidParameterException
@@ -87,7 +86,7 @@ def _read(
             f"Third element {descriptor} at index {index} in parameters list "
             "is not a ParameterDescriptor."
         )
-    name, descriptor = prefix + name, copy(descriptor)
+    name = prefix + name
     type_ = value if isinstance(value, ParameterType) else None
     if type_ is not None:
         value = None

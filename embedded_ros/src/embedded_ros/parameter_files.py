@@ -83,7 +83,8 @@ def parameter_dict_from_yaml_file(
     RuntimeError
         If the file is no parameter file or lacks a node.
     """
-    sections = yaml.safe_load(Path(parameter_file).read_text(encoding="utf-8")) or {}
+    with Path(parameter_file).open(encoding="utf-8") as stream:
+        sections = yaml.safe_load(stream) or {}
     if not isinstance(sections, Mapping):
         raise RuntimeError(f"YAML file is not a valid ROS parameter file: {parameter_file}")
     wanted = target_nodes or [node for node in sections if node != _ANY_NODE]

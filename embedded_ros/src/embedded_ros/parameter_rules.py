@@ -94,12 +94,10 @@ def _misfit_of_double(parameter: Parameter, ranges: Any) -> str | None:
     if not (low < value < high):
         where = f"Min: {low}, Max: {high}, value: {value}"
         return f"Parameter {parameter.name} out of range {where}"
-    # From an infinite end no steps can be counted, nor endlessly small ones from any.
-    steps = (value - low) / step if step else math.inf
-    if not math.isfinite(steps):
-        return None
-    nearest = low + round(steps) * step
-    if math.isclose(nearest, value, rel_tol=_CLOSENESS):
+    # No value is a step where steps cannot be counted: from an infinite end, or endlessly small.
+    steps = (value - low) / step if step else 0.0
+    nearest = low + round(steps) * step if math.isfinite(steps) else math.nan
+    if step == 0 or math.isclose(nearest, value, rel_tol=_CLOSENESS):
         return None
     grid = f"Min: {low}, max: {high}, value: {value}, step: {step}"
     return f"The parameter value for {parameter.name} is not close enough to a valid step. {grid}"

@@ -42,5 +42,4 @@ def _is_near(rest: str, depth: int) -> bool:
 
 def parents(names: Iterable[str]) -> list[str]:
     """What stands before the last separators, each once, in the order of the names."""
-    found = dict.fromkeys(name.rpartition(SEPARATOR)[0] for name in names)
-    return [parent for parent in found if parent]
+    return list(dict.fromkeys(name.rpartition(SEPARATOR)[0] for name in names if SEPARATOR in name))

@@ -176,21 +176,26 @@ class ParameterStore:
         overrides = {} if ignore_overrides else self.overrides
         wanted = []
         for item in declarations:
-            parameter = overrides.get(item.name) or Parameter(item.name, value=item.value)
-            wanted.append(Entry(parameter, item.descriptor))
-        known = [parameter.name for parameter, _ in wanted if parameter.name in self]
+            value = overrides[item.name].value if item.name in overrides else item.value
+            wanted.append(Parameter(item.name, value=value))
+        known = [parameter.name for parameter in wanted if parameter.name in self]
         if known:
             raise ParameterAlreadyDeclaredException(known)
-        for entry in wanted:
-            self._declare(entry)
-        in_force = (self._table.entry(parameter.name) for parameter, _ in wanted)
-        return [(now or given).parameter for now, given in zip(in_force, wanted, strict=True)]
+        # Of several declarations of one name the last descriptor counts for all.
+        descriptors = {item.name: item.descriptor for item in declarations}
+        for parameter in wanted:
+            self._declare(Entry(parameter, descriptors[parameter.name]))
+        entries = [self._table.entry(parameter.name) for parameter in wanted]
+        return [
+            given if entry is None else entry.parameter
+            for given, entry in zip(wanted, entries, strict=True)
+        ]
 
     def _declare(self, entry: Entry) -> None:
-        parameter, descriptor = entry
+        parameter = entry.parameter
         refused = self._objection([parameter], {parameter.name: entry}, mind_read_only=False)
         if refused is None:
-            self._tell(self._table.declare(parameter, descriptor), [parameter])
+            self._tell(self._table.declare(entry), [parameter])
         elif refused.expected_type is not None:
             raise InvalidParameterTypeException(parameter, refused.expected_type.name)
         else:
@@ -277,7 +282,7 @@ class ParameterStore:
             refused = objection(chosen, descriptor, is_declared=True, mind_read_only=False)
         if refused is not None:
             raise InvalidParameterValueException(name, chosen.value, refused.reason)
-        self._table.redescribe(chosen, descriptor)
+        self._table.replace({name: Entry(chosen, descriptor)})
         return chosen
 
     def _objection(

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -21,7 +20,10 @@ __all__ = ["Changes", "Entry", "ParameterTable", "new_descriptor"]
 
 
 class Entry(NamedTuple):
-    """A parameter and the descriptor that says what it may become."""
+    """A parameter and the descriptor that says what it may become.
+
+    The descriptor is the one that was given: several parameters may share one, as in rclpy.
+    """
 
     parameter: Parameter
     descriptor: Any
@@ -75,6 +77,8 @@ class ParameterTable:
         with self._writing:
             merged = {**self._entries, **entries}
             self._entries = {name: entry for name, entry in merged.items() if entry is not None}
+        for entry in filter(None, entries.values()):
+            _complete(entry)
 
     def set(self, parameters: Sequence[Parameter]) -> Changes:
         """Give parameters new values; those without a value are taken out."""
@@ -88,46 +92,41 @@ class ParameterTable:
                     changes.deleted.append(parameter)
                 else:
                     descriptor = old.descriptor if old else new_descriptor(dynamic_typing=True)
-                    _write(entries, parameter, descriptor, changes)
+                    _write(entries, Entry(parameter, descriptor), changes)
             self._entries = entries
         return changes
 
-    def declare(self, parameter: Parameter, descriptor: Any) -> Changes:
+    def declare(self, entry: Entry) -> Changes:
         """Enter a parameter, with or without a value."""
+        name = entry.parameter.name
         with self._writing:
             entries, changes = dict(self._entries), Changes()
-            changes.before[parameter.name] = entries.get(parameter.name)
-            _write(entries, parameter, descriptor, changes)
+            changes.before[name] = entries.get(name)
+            _write(entries, entry, changes)
             self._entries = entries
         return changes
-
-    def redescribe(self, parameter: Parameter, descriptor: Any) -> None:
-        """Enter a parameter under another descriptor."""
-        self.replace({parameter.name: Entry(parameter, _completed(descriptor, parameter))})
 
     def take_back(self, changes: Changes) -> None:
         """Undo a change."""
         self.replace(changes.before)
 
 
-def _write(
-    entries: dict[str, Entry], parameter: Parameter, descriptor: Any, changes: Changes
-) -> None:
-    old = entries.get(parameter.name)
-    (changes.changed if old is not None and old.has_value else changes.new).append(parameter)
-    entries[parameter.name] = Entry(parameter, _completed(descriptor, parameter))
+def _write(entries: dict[str, Entry], entry: Entry, changes: Changes) -> None:
+    old = entries.get(entry.parameter.name)
+    is_change = old is not None and old.has_value
+    (changes.changed if is_change else changes.new).append(entry.parameter)
+    entries[entry.parameter.name] = entry
+    _complete(entry)
+
+
+def _complete(entry: Entry) -> None:
+    """Tell a descriptor its parameter's name and, if dynamic, its type."""
+    parameter, descriptor = entry
+    descriptor.name = parameter.name
+    if descriptor.dynamic_typing:
+        descriptor.type = parameter.type_.value
 
 
 def new_descriptor(**fields: Any) -> Any:
     """Make an ``rcl_interfaces.msg.ParameterDescriptor``."""
     return message_class("rcl_interfaces/msg/ParameterDescriptor")(**fields)
-
-
-def _completed(descriptor: Any, parameter: Parameter) -> Any:
-    """Descriptor with its parameter's name and, if dynamic, its type; the one given stays."""
-    type_ = parameter.type_.value if descriptor.dynamic_typing else descriptor.type
-    if (descriptor.name, descriptor.type) == (parameter.name, type_):
-        return descriptor
-    completed = copy(descriptor)
-    completed.name, completed.type = parameter.name, type_
-    return completed

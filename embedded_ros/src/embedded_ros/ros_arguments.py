@@ -196,6 +196,9 @@ def _classified(arguments: Sequence[str]) -> list[tuple[str, bool]]:
     words = []
     in_ros = False
     for argument in arguments:
+        if not isinstance(argument, str):
+            raise TypeError(f"an argument must be a str, not {argument!r}")
+        argument.encode()  # rcl takes UTF-8 only
         if argument == "--ros-args":
             in_ros = True
         elif in_ros and argument == "--":

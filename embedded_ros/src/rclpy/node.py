@@ -118,7 +118,7 @@ class Node(EntityCreation, NodeGraph):
             )
             if automatically_declare_parameters_from_overrides:
                 given = self._parameter_store.overrides.items()
-                self.declare_parameters("", [(name, override.type_) for name, override in given])
+                self.declare_parameters("", [(name, override.value) for name, override in given])
             self._time_source = TimeSource(node=self)
             self._time_source.attach_clock(self._clock)
             if start_parameter_services:
@@ -172,7 +172,6 @@ class Node(EntityCreation, NodeGraph):
         """Destroy the node and all that it made. Again is fine."""
         if not self._leave.alive:
             return
-        self._parameter_store.announce = None
         self._destroy_entities()
         self._leave()
         self._wake_executor()
