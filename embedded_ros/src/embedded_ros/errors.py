@@ -7,6 +7,8 @@ what the caller did wrong.
 from typing import Any, ClassVar, Protocol
 
 __all__ = [
+    "ConditionReachedException",
+    "ExternalShutdownException",
     "InvalidHandle",
     "InvalidNamespaceException",
     "InvalidNodeNameException",
@@ -28,6 +30,8 @@ __all__ = [
     "RCLInvalidROSArgsError",
     "RMWError",
     "ROSInterruptException",
+    "ShutdownException",
+    "TimeoutException",
     "UnknownROSArgsError",
     "UnsupportedEventTypeError",
 ]
@@ -84,6 +88,25 @@ class ROSInterruptException(Exception):
 
     def __init__(self) -> None:
         super().__init__("rclpy.shutdown() has been called")
+
+
+# ------------------------------------------------------------------------- of executors
+
+
+class TimeoutException(Exception):
+    """Nothing happened in time."""
+
+
+class ShutdownException(Exception):
+    """The executor is shut down."""
+
+
+class ExternalShutdownException(Exception):
+    """The context was shut down while the executor waited."""
+
+
+class ConditionReachedException(Exception):
+    """The future to wait for is done."""
 
 
 # ------------------------------------------------------------------------- of types and names

@@ -31,6 +31,18 @@ __all__ = [
 ]
 
 _T = TypeVar("_T")
+# In the order in which a profile prints them.
+_POLICIES: Final = (
+    "history",
+    "depth",
+    "reliability",
+    "durability",
+    "lifespan",
+    "deadline",
+    "liveliness",
+    "liveliness_lease_duration",
+    "avoid_ros_namespace_conventions",
+)
 
 
 class InvalidQoSProfileException(Exception):
@@ -61,6 +73,7 @@ class _Policy(Generic[_T]):
 
     def __set_name__(self, owner: type["QoSProfile"], name: str) -> None:
         self._name = name
+        self._slot = f"_{name}"
         owner.policies[name] = self
 
     @overload
@@ -70,12 +83,12 @@ class _Policy(Generic[_T]):
     def __get__(self, profile: "QoSProfile | None", owner: type) -> "_T | _Policy[_T]":
         if profile is None:
             return self
-        value: _T = profile._chosen[self._name]
+        value: _T = getattr(profile, self._slot)
         return value
 
     def __set__(self, profile: "QoSProfile", value: Any) -> None:
         assert isinstance(value, self._accepted), f"{self._name}: {value!r}"
-        profile._chosen[self._name] = value if self._convert is None else self._convert(value)
+        setattr(profile, self._slot, value if self._convert is None else self._convert(value))
 
 
 class _Depth(_Policy[int]):
@@ -123,10 +136,10 @@ class QoSProfile:
         If there is no such policy or a value is of another type.
     """
 
-    # No attribute but the policies: a misspelled one is an error.
-    __slots__ = ("_chosen",)
+    # No attribute but the policies: a misspelled one is an error. Programs go by these names.
+    __slots__ = tuple(f"_{name}" for name in _POLICIES)
 
-    #: Policies by name, in the order in which they are printed.
+    #: Policies by name.
     policies: ClassVar[dict[str, _Policy[Any]]] = {}
 
     history = _Policy(int, HistoryPolicy.KEEP_LAST, HistoryPolicy)
@@ -144,24 +157,21 @@ class QoSProfile:
         assert not unknown, f"a QoS profile has no {', '.join(sorted(unknown))}"
         if not kwargs.keys() & {"history", "depth"}:
             raise InvalidQoSProfileException("History and/or depth settings are required.")
-        self._chosen: dict[str, Any] = {}
-        for name, policy in self.policies.items():
-            setattr(self, name, kwargs.get(name, policy.default))
+        for name in _POLICIES:
+            setattr(self, name, kwargs.get(name, self.policies[name].default))
         if "depth" not in kwargs and self.history is HistoryPolicy.KEEP_LAST:
             raise InvalidQoSProfileException("History set to KEEP_LAST without a depth setting.")
 
-    def __copy__(self) -> "QoSProfile":
-        twin = object.__new__(type(self))
-        twin._chosen = self._chosen.copy()
-        return twin
+    def _values(self) -> list[Any]:
+        return [getattr(self, name) for name in _POLICIES]
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, QoSProfile) and self._chosen == other._chosen
+        return isinstance(other, QoSProfile) and self._values() == other._values()
 
     __hash__ = None  # type: ignore[assignment]
 
     def __str__(self) -> str:
-        pairs = (f"{name}={value}" for name, value in self._chosen.items())
+        pairs = map("=".join, zip(_POLICIES, map(str, self._values()), strict=True))
         return f"{type(self).__name__}({', '.join(pairs)})"
 
 

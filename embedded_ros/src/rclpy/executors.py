@@ -5,19 +5,29 @@ from __future__ import annotations
 import concurrent.futures
 import os
 import threading
-import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine, Iterable, Iterator
+from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import Any
+from typing import Any, Protocol
 
-from embedded_ros import cyclone, interrupts
-from embedded_ros.callback_running import CallbackRunning
-from embedded_ros.readiness import Work
+from embedded_ros import interrupts
+from embedded_ros.deadline import Deadline
+from embedded_ros.embedded_node import EmbeddedNode
+from embedded_ros.entity_registry import Kind
+from embedded_ros.errors import (
+    ConditionReachedException,
+    ExternalShutdownException,
+    NotInitializedException,
+    ShutdownException,
+    TimeoutException,
+)
+from embedded_ros.public_names import also_here, shown_in
+from embedded_ros.task_running import TaskRunningLoop
+from embedded_ros.work_loop import Job
 from rclpy.context import Context
-from rclpy.exceptions import NotInitializedException
-from rclpy.task import Future
-from rclpy.utilities import get_default_context, timeout_sec_to_nsec
+from rclpy.task import Future, Task
+from rclpy.utilities import get_default_context
 
 __all__ = [
     "ConditionReachedException",
@@ -29,29 +39,46 @@ __all__ = [
     "TimeoutException",
 ]
 
+__getattr__ = also_here(
+    __name__,
+    {
+        "rclpy.client": "Client",
+        "rclpy.clock": "Clock ClockType",
+        "rclpy.exceptions": "InvalidHandle",
+        "rclpy.guard_condition": "GuardCondition",
+        "rclpy.service": "Service",
+        "rclpy.subscription": "Subscription",
+        "rclpy.timer": "Timer",
+        "rclpy.utilities": "timeout_sec_to_nsec",
+    },
+)
+shown_in(
+    __name__,
+    ConditionReachedException,
+    ExternalShutdownException,
+    ShutdownException,
+    TimeoutException,
+)
 
-class TimeoutException(Exception):
-    """Nothing happened in time."""
 
+class _Node(Protocol):
+    """What an executor needs of a node."""
 
-class ShutdownException(Exception):
-    """The executor is shut down."""
+    _embedded: EmbeddedNode
 
+    @property
+    def executor(self) -> Executor | None: ...
 
-class ExternalShutdownException(Exception):
-    """The context was shut down while the executor waited."""
-
-
-class ConditionReachedException(Exception):
-    """The future to wait for is done."""
+    @executor.setter
+    def executor(self, new_executor: Executor | None) -> None: ...
 
 
 def _never() -> bool:
     return False
 
 
-class Executor(CallbackRunning):
-    """Base of the executors.
+class Executor(AbstractContextManager["Executor"]):
+    """Base of the executors; a context manager that shuts the executor down.
 
     Parameters
     ----------
@@ -60,46 +87,75 @@ class Executor(CallbackRunning):
     """
 
     def __init__(self, *, context: Context | None = None) -> None:
-        self._context = get_default_context() if context is None else context
-        session = self._context.handle
+        self._of_context = context or get_default_context()
+        session = self._of_context.handle
         if session is None:
             raise NotInitializedException("cannot create an executor")
-        self._init_readiness(session)
-        session.register(self)
+        self._served: list[Any] = []
+        self._chosen: list[Any] | None = None
+        self._work = TaskRunningLoop(session, self._sources)
+        session.register(self._work)
         if session.valid:
             # The context may come from another thread, which cannot set this up.
             interrupts.watch(session)
-        self._context.on_shutdown(self.wake)
+        self._of_context.on_shutdown(self.wake)
 
     @property
     def context(self) -> Context:
         """Context of the executor."""
-        return self._context
+        return self._of_context
 
-    def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002
-        """Stop running callbacks and let go of the nodes.
+    # ------------------------------------------------------------------ nodes and tasks
 
-        Parameters
-        ----------
-        timeout_sec : float, optional
-            How long to wait for callbacks that run in other threads; for ever by default. Here
-            there are none: see :class:`MultiThreadedExecutor`.
+    def get_nodes(self) -> list[Any]:
+        """Nodes whose callbacks are run."""
+        return self._served.copy()
+
+    def add_node(self, node: _Node) -> bool:
+        """Run the callbacks of a node; False if that is done already."""
+        if node in self._served:
+            return False
+        self._served.append(node)
+        node.executor = self
+        self.wake()
+        return True
+
+    def remove_node(self, node: _Node) -> None:
+        """Run the callbacks of a node no more."""
+        if node in self._served:
+            self._served.remove(node)
+            self.wake()
+
+    def _sources(self) -> Iterator[Any]:
+        """All that can have work: events first, then node by node."""
+        nodes = tuple(self._served if self._chosen is None else self._chosen)
+        for node in nodes:
+            yield from node._embedded.registry.of(Kind.EVENTS)
+        for node in nodes:
+            yield from node._embedded.registry.sources()
+
+    def wake(self) -> None:
+        """Look at the nodes again: an entity was made or destroyed."""
+        self._work.look_again()
+
+    def create_task(
+        self, callback: Callable[..., Any] | Coroutine[Any, Any, Any], *args: Any, **kwargs: Any
+    ) -> Task:
+        """Have a function or coroutine run, with arguments.
 
         Returns
         -------
-        bool
-            False if some still run.
+        Task
+            Future of the result.
         """
-        self._is_shutdown = True
-        self._guard.set()
-        with self._nodes_lock:
-            self._nodes = []
-            self._wait_set.close()
-            self._guard.close()
-            self._attached = {}
-            self._timers = []
-        self._ready.clear()
-        return True
+        return self._work.create_task(callback, *args, **kwargs)
+
+    def can_execute(self, entity: Any) -> bool:
+        """Tell whether the callback group of an entity lets its callback run now."""
+        group = entity.callback_group
+        return group is None or bool(group.can_execute(entity))
+
+    # ------------------------------------------------------------------ spinning
 
     def spin(self) -> None:
         """Run callbacks until the context or the executor is shut down.
@@ -109,21 +165,17 @@ class Executor(CallbackRunning):
         ExternalShutdownException
             If the context is shut down while this waits.
         """
-        while self._context.ok() and not self._is_shutdown:
+        while not self._work.is_closed and self._of_context.ok():
             self.spin_once()
 
     def spin_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
         """Run callbacks until a future is done or a timeout is over."""
-        future.add_done_callback(lambda _: self.interrupt())
-        deadline = None
-        if timeout_sec is not None and timeout_sec >= 0:
-            deadline = time.monotonic() + timeout_sec
-        while self._context.ok() and not future.done() and not self._is_shutdown:
-            left = None if deadline is None else max(0.0, deadline - time.monotonic())
-            self.spin_once_until_future_complete(future, left)
-            if deadline is not None and time.monotonic() >= deadline:
+        deadline = Deadline(timeout_sec)
+        while not (future.done() or self._work.is_closed) and self._of_context.ok():
+            self.spin_once_until_future_complete(future, deadline.seconds_left())
+            if deadline.is_over():
                 return
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
@@ -142,52 +194,82 @@ class Executor(CallbackRunning):
         """Run one callback, or return when a future is done or after a timeout."""
         raise NotImplementedError
 
-    def __enter__(self) -> Executor:
-        return self
+    def wait_for_ready_callbacks(
+        self,
+        timeout_sec: float | None = None,
+        nodes: Iterable[_Node] | None = None,
+        condition: Callable[[], bool] = _never,
+    ) -> tuple[Task, Any, Any]:
+        """Wait for a callback to run; for executors that decide themselves where to.
+
+        Parameters
+        ----------
+        timeout_sec : float, optional
+            None or negative: for ever; 0: do not wait.
+        nodes : iterable of Node, optional
+            Whose callbacks; those of all nodes of the executor by default.
+        condition : callable, optional
+            Ends the wait when it returns true; asked at the beginning and after each callback.
+
+        Returns
+        -------
+        Task
+            Call it to run the callback.
+        entity, node
+            Whose callback it is; None for a task.
+
+        Raises
+        ------
+        TimeoutException, ShutdownException, ExternalShutdownException, ConditionReachedException
+        """
+        chosen = None if nodes is None else list(nodes)
+        if chosen != self._chosen:
+            self._chosen = chosen
+            self.wake()
+        work = self._work.next(Deadline(timeout_sec), condition)
+        if isinstance(work, Task):
+            return work, None, None
+        if work is not None:
+            task = Task(self._work.run, (work,), executor=self._work)
+            return task, work.source, self._node_of(work)
+        if self._work.is_closed:
+            raise ShutdownException
+        if condition():
+            raise ConditionReachedException
+        raise TimeoutException
+
+    def _node_of(self, job: Job) -> Any:
+        for node in self._served:
+            registry = node._embedded.registry
+            if job.source in (*registry.of(Kind.EVENTS), *registry.sources()):
+                return node
+        return None
+
+    def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002
+        """Stop running callbacks and let go of the nodes.
+
+        Parameters
+        ----------
+        timeout_sec : float, optional
+            How long to wait for callbacks that run in other threads; for ever by default. Here
+            there are none: see :class:`MultiThreadedExecutor`.
+
+        Returns
+        -------
+        bool
+            False if some still run.
+        """
+        self._served.clear()
+        self._work.close()
+        return True
 
     def __exit__(
         self,
         exc_type: type[BaseException] | None,
-        exc_val: BaseException | None,
-        exc_tb: TracebackType | None,
+        exc_value: BaseException | None,
+        traceback: TracebackType | None,
     ) -> None:
         self.shutdown()
-
-    # ------------------------------------------------------------------ waiting
-
-    def _next_work(
-        self, timeout_sec: float | None, condition: Callable[[], bool] = _never
-    ) -> Work | None:
-        """Wait for something to do; None if the time is over, or the condition or shutdown came."""
-        timeout = timeout_sec_to_nsec(timeout_sec)
-        deadline = None if timeout < 0 else time.monotonic_ns() + timeout
-        while not self._is_shutdown and not condition():
-            if self._tasks:
-                return self._tasks.popleft()
-            while self._ready:
-                entity = self._ready.popleft()
-                taken = self._claim(entity)
-                if taken is not None:
-                    return entity, taken
-            if self._entities_changed:
-                self._update_wait_set()
-            left = cyclone.INFINITE if deadline is None else deadline - time.monotonic_ns()
-            wait = self._shortened(left)
-            fired = self._wait_set.wait(wait)
-            if self._guard.ref in fired:
-                # Before the looks at what it may have been set for: the next wait would miss it.
-                self._guard.clear()
-            if self._is_shutdown:
-                return None
-            if not self._context.ok():
-                raise ExternalShutdownException
-            self._note_ready(fired, timers_too=wait == 0 or not fired)
-            if self._yielded:
-                self._tasks.extend(self._yielded)
-                self._yielded.clear()
-            if left <= 0 and not self._ready and not self._tasks:
-                return None
-        return None
 
 
 class SingleThreadedExecutor(Executor):
@@ -201,17 +283,18 @@ class SingleThreadedExecutor(Executor):
         timeout_sec : float, optional
             None or negative: for ever; 0: do not wait.
         """
-        work = self._next_work(timeout_sec)
+        work = self._work.next(Deadline(timeout_sec), _never)
         if work is not None:
-            self._run(work)
+            self._work.run(work)
 
     def spin_once_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
         """Run one callback, or return when a future is done or after a timeout."""
-        work = self._next_work(timeout_sec, future.done)
+        with future._waking(self._work.interrupt):
+            work = self._work.next(Deadline(timeout_sec), future.done)
         if work is not None:
-            self._run(work)
+            self._work.run(work)
 
 
 class MultiThreadedExecutor(Executor):
@@ -227,16 +310,16 @@ class MultiThreadedExecutor(Executor):
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
         super().__init__(context=context)
-        if num_threads is None:
-            num_threads = len(os.sched_getaffinity(0))
         if num_threads == 1:
             warnings.warn(
                 "MultiThreadedExecutor is used with a single thread.\n"
                 "Use the SingleThreadedExecutor instead.",
                 stacklevel=2,
             )
-        self._pool = concurrent.futures.ThreadPoolExecutor(num_threads)
-        self._running: list[concurrent.futures.Future[None]] = []
+        self._threads = concurrent.futures.ThreadPoolExecutor(
+            len(os.sched_getaffinity(0)) if num_threads is None else num_threads
+        )
+        self._started: list[concurrent.futures.Future[None]] = []
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Start one callback, or return after a timeout.
@@ -246,34 +329,37 @@ class MultiThreadedExecutor(Executor):
         timeout_sec : float, optional
             None or negative: for ever; 0: do not wait.
         """
-        self._start_work(timeout_sec, _never)
+        self._start(Deadline(timeout_sec), _never)
 
     def spin_once_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
         """Start one callback, or return when a future is done or after a timeout."""
-        self._start_work(timeout_sec, future.done)
+        with future._waking(self._work.interrupt):
+            self._start(Deadline(timeout_sec), future.done)
 
-    def _start_work(self, timeout_sec: float | None, condition: Callable[[], bool]) -> None:
+    def _start(self, deadline: Deadline, is_enough: Callable[[], bool]) -> None:
         try:
-            work = self._next_work(timeout_sec, lambda: condition() or self._has_failed())
+            work = self._work.next(deadline, lambda: is_enough() or self._has_failed())
         except ExternalShutdownException:
             return  # this executor only returns, as in rclpy
         if work is not None:
-            self._running.append(self._pool.submit(self._run_and_report, work))
-        for running in [running for running in self._running if running.done()]:
-            self._running.remove(running)
-            running.result()  # raises what the callback raised
+            self._started.append(self._threads.submit(self._run, work))
+        ended = [started for started in self._started if started.done()]
+        self._started = [started for started in self._started if started not in ended]
+        for each in ended:
+            each.result()  # raises what the callback raised
 
-    def _run_and_report(self, work: Work) -> None:
+    def _run(self, work: Job | Task) -> None:
         try:
-            self._run(work)
+            self._work.run(work)
         except BaseException:
-            self.interrupt()
+            # Whoever spins raises it, too.
+            self._work.interrupt()
             raise
 
     def _has_failed(self) -> bool:
-        return any(running.done() and running.exception() for running in self._running)
+        return any(started.done() and started.exception() for started in self._started)
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
         """Stop running callbacks, wait for those that run and end the threads.
@@ -281,8 +367,8 @@ class MultiThreadedExecutor(Executor):
         Called in a callback it does not wait, as that would be for itself.
         """
         super().shutdown(timeout_sec)
-        self._pool.shutdown(wait=False, cancel_futures=True)
-        if threading.current_thread() in self._pool._threads:
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        if threading.current_thread() in self._threads._threads:
             return True
-        timeout = None if timeout_sec is None or timeout_sec < 0 else timeout_sec
-        return not concurrent.futures.wait(self._running, timeout).not_done
+        left = Deadline(timeout_sec).seconds_left()
+        return not concurrent.futures.wait(self._started, left).not_done

@@ -6,6 +6,7 @@ from embedded_ros.qos_policies import (
     DurabilityPolicy,
     HistoryPolicy,
     LivelinessPolicy,
+    QoSPolicyEnum,
     QoSPolicyKind,
     ReliabilityPolicy,
 )
@@ -39,6 +40,7 @@ __all__ = [
     "QoSDurabilityPolicy",
     "QoSHistoryPolicy",
     "QoSLivelinessPolicy",
+    "QoSPolicyEnum",
     "QoSPolicyKind",
     "QoSPresetProfiles",
     "QoSProfile",
@@ -68,6 +70,7 @@ shown_in(
     HistoryPolicy,
     InvalidQoSProfileException,
     LivelinessPolicy,
+    QoSPolicyEnum,
     QoSPolicyKind,
     QoSPresetProfiles,
     QoSProfile,

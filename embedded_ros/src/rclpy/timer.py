@@ -6,6 +6,7 @@ from typing import Any
 
 from embedded_ros.alarm import Alarm, AlarmState
 from embedded_ros.errors import InvalidHandle, RCLError, ROSInterruptException
+from embedded_ros.futures import TaskRunner
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
 from rclpy.context import Context
@@ -50,7 +51,7 @@ class Timer:
     def _due_in(self) -> int | None:
         return self._alarm.due_in()
 
-    def _take(self) -> tuple[TimerCallback, tuple[()]] | None:
+    def _take(self, _runner: TaskRunner | None = None) -> tuple[TimerCallback, tuple[()]] | None:
         if self._alarm.ring() and self.callback is not None:
             return self.callback, ()
         return None
