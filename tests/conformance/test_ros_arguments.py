@@ -129,3 +129,18 @@ def test_parameter_files_are_read(ros, tmp_path):
         }.items()
     )
     assert "not_mine" not in found
+
+
+@pytest.mark.parametrize(
+    "words", [["n", "\udcff"], ["n", "--ros-args", "-r", "a:=\udcff"], ["--ros-args", "\udcff"]]
+)
+def test_arguments_are_utf_8(words):
+    with pytest.raises(UnicodeEncodeError, match="surrogates not allowed"):
+        rclpy.init(args=words, context=Context())
+    with pytest.raises(UnicodeEncodeError, match="surrogates not allowed"):
+        remove_ros_args(words)
+
+
+def test_arguments_of_a_node_are_utf_8(ros):
+    with pytest.raises(RuntimeError):
+        ros.node("n", cli_args=["--ros-args", "-p", "a:=\udcff"])
