@@ -8,14 +8,14 @@ from embedded_ros.time_jumps import ClockChange
 from embedded_ros.timeline import SimulatedTimeline, Timeline
 from hypothesis import given
 from hypothesis import strategies as st
-from rclpy.parameter import Parameter
+from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMsg
 
 
 def test_a_stamp_before_the_epoch_is_left_out_with_a_warning(ros, capfd):
     # rclpy 7.1 lets the ValueError out of the executor, which ends the node.
-    node = ros.node("simulated", parameter_overrides=[Parameter("use_sim_time", value=True)])
-    publisher = ros.node("source").create_publisher(ClockMsg, "/clock", 10)
+    node = ros.create(Node, "simulated", use_sim_time=True)
+    publisher = ros.create(Node, "source").create_publisher(ClockMsg, "/clock", 10)
     for seconds in (5, -1, -(2**31)):
         publisher.publish(ClockMsg(clock=TimeMsg(sec=seconds, nanosec=1)))
         ros.spin_for(0.02)

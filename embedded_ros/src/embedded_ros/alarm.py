@@ -66,7 +66,7 @@ class Alarm:
         """Nanoseconds to wait for; None if waiting does not help."""
         if self.state is not AlarmState.RUNNING:
             return None
-        left = self.time_left()
+        left = self._due_at - self._timeline.read()
         if left <= 0:
             return 0
         return left if self._timeline.passes else None

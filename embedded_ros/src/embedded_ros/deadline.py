@@ -5,7 +5,7 @@ from typing import Final
 
 from embedded_ros.duration import NANOSECONDS_PER_SECOND
 
-__all__ = ["FOREVER", "Deadline"]
+__all__ = ["FOREVER", "NEVER", "Deadline"]
 
 #: Nanoseconds that Cyclone DDS takes for no limit.
 FOREVER: Final = 2**63 - 1
@@ -40,3 +40,7 @@ class Deadline:
     def is_over(self) -> bool:
         """Tell whether the end has come."""
         return self._at is not None and time.monotonic_ns() >= self._at
+
+
+#: The deadline that never comes.
+NEVER: Final = Deadline(None)

@@ -18,15 +18,16 @@ class TaskRunningLoop(WorkLoop):
         if isinstance(work, Task):
             self._advance(work)
             return
+        source, function, arguments = work
         try:
-            result = work.function(*work.arguments)
+            result = function(*arguments)
         except BaseException:
-            self.finish(work.source)
+            self.finish(source)
             raise
         if result.__class__ is CoroutineType:
-            self._advance(Task(self._then_finish(result, work.source), executor=self))
+            self._advance(Task(self._then_finish(result, source), executor=self))
         else:
-            self.finish(work.source)
+            self.finish(source)
 
     async def _then_finish(self, coroutine: Coroutine[Any, Any, Any], source: Source) -> Any:
         try:

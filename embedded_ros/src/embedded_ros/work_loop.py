@@ -8,7 +8,7 @@ source may belong to a group that decides whether its work may run now.
 import threading
 from collections import deque
 from collections.abc import Callable, Coroutine, Iterable
-from typing import Any, NamedTuple, Protocol, cast
+from typing import Any, Protocol, cast
 
 from embedded_ros import cyclone
 from embedded_ros.deadline import Deadline
@@ -67,12 +67,9 @@ class WatchedSource(Source, Protocol):
         ...
 
 
-class Job(NamedTuple):
-    """Work that was taken; its group is held until :meth:`WorkLoop.finish`."""
-
-    source: Source
-    function: Callable[..., Any]
-    arguments: tuple[Any, ...]
+#: Work that was taken: from where, the function and its arguments. The group of the source is held
+#: until :meth:`WorkLoop.finish`.
+Job = tuple[Source, Callable[..., Any], tuple[Any, ...]]
 
 
 class WorkLoop:
@@ -198,7 +195,7 @@ class WorkLoop:
                 self.finish(source)
                 raise
             if call is not None:
-                return Job(source, *call)
+                return source, *call
             self.finish(source)
         return None
 
@@ -219,15 +216,18 @@ class WorkLoop:
             fired.remove(self._bell.ref)
         if self.is_closed:
             return True
-        ready: list[tuple[int, Source]] = [
-            self._watched[ref] for ref in fired if ref in self._watched
-        ]
+        ready: list[tuple[int, Source]] = []
+        for ref in fired:
+            seen = self._watched.get(ref)
+            if seen is not None:
+                ready.append(seen)
         # A timer that came due while something else ended the wait makes the next one short.
         if wait == 0 or not fired:
             ready += [(place, timer) for place, timer in self._timers if timer._due_in() == 0]
         if len(ready) > 1:
             ready.sort(key=_place)
-        self._ready.extend([source for _, source in ready])
+        for _, source in ready:
+            self._ready.append(source)
         while self._idling:
             self._tasks.append(self._idling.popleft())
         return left <= 0

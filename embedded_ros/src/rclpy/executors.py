@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Any, Protocol
 
 from embedded_ros import interrupts
-from embedded_ros.deadline import Deadline
+from embedded_ros.deadline import NEVER, Deadline
 from embedded_ros.embedded_node import EmbeddedNode
 from embedded_ros.entity_registry import Kind
 from embedded_ros.errors import (
@@ -24,7 +24,7 @@ from embedded_ros.errors import (
 )
 from embedded_ros.public_names import also_here, shown_in
 from embedded_ros.task_running import TaskRunningLoop
-from embedded_ros.work_loop import Job
+from embedded_ros.work_loop import Job, Source
 from rclpy.context import Context
 from rclpy.task import Future, Task
 from rclpy.utilities import get_default_context
@@ -231,17 +231,17 @@ class Executor(AbstractContextManager["Executor"]):
             return work, None, None
         if work is not None:
             task = Task(self._work.run, (work,), executor=self._work)
-            return task, work.source, self._node_of(work)
+            return task, work[0], self._node_of(work[0])
         if self._work.is_closed:
             raise ShutdownException
         if condition():
             raise ConditionReachedException
         raise TimeoutException
 
-    def _node_of(self, job: Job) -> Any:
+    def _node_of(self, source: Source) -> Any:
         for node in self._served:
             registry = node._embedded.registry
-            if job.source in (*registry.of(Kind.EVENTS), *registry.sources()):
+            if source in (*registry.of(Kind.EVENTS), *registry.sources()):
                 return node
         return None
 
@@ -283,7 +283,8 @@ class SingleThreadedExecutor(Executor):
         timeout_sec : float, optional
             None or negative: for ever; 0: do not wait.
         """
-        work = self._work.next(Deadline(timeout_sec), _never)
+        deadline = NEVER if timeout_sec is None else Deadline(timeout_sec)
+        work = self._work.next(deadline, _never)
         if work is not None:
             self._work.run(work)
 

@@ -45,18 +45,13 @@ class Timer:
         self._of_context = context or get_default_context()
         self._follows = clock
         self._alarm = Alarm(clock._timeline, int(timer_period_ns), _nobody, running=autostart)
-
-    # What an executor asks for.
-
-    def _due_in(self) -> int | None:
-        return self._alarm.due_in()
+        #: What an executor asks for.
+        self._due_in = self._alarm.due_in
 
     def _take(self, _runner: TaskRunner | None = None) -> tuple[TimerCallback, tuple[()]] | None:
         if self._alarm.ring() and self.callback is not None:
             return self.callback, ()
         return None
-
-    # What the user asks for.
 
     def _usable(self) -> Alarm:
         if self._alarm.state is AlarmState.CLOSED:
