@@ -69,7 +69,7 @@ def test_whatever_is_asked_there_is_an_answer(names, depth, wanted, is_open):
     store = ParameterStore(allow_undeclared=is_open)
     steps = [FloatingPointRange(from_value=-1e300, to_value=1e300, step=1e-300)]
     entries = [
-        ("a", 1.0, ParameterDescriptor(floating_point_range=steps)),
+        ("a", 1e300, ParameterDescriptor(floating_point_range=steps)),
         ("a.b", "x", ParameterDescriptor(read_only=True)),
         ("later", Parameter.Type.INTEGER),
         ("loose", 1, ParameterDescriptor(dynamic_typing=True)),
@@ -80,6 +80,14 @@ def test_whatever_is_asked_there_is_an_answer(names, depth, wanted, is_open):
     answer(store, "list_parameters", prefixes=names, depth=depth)
     assert len(answer(store, "set_parameters", parameters=wanted).results) == len(wanted)
     answer(store, "set_parameters_atomically", parameters=wanted)
+
+
+def test_what_is_not_declared_has_a_type_or_is_refused():
+    wanted = [Parameter("", value=1).to_parameter_msg()]
+    closed, open_store = ParameterStore(), ParameterStore(allow_undeclared=True)
+    (result,) = answer(closed, "set_parameters", parameters=wanted).results
+    assert result.reason == "Invalid access to undeclared parameter(s): []"
+    assert list(answer(open_store, "get_parameter_types", names=["new"]).types) == [0]
 
 
 def test_a_callback_for_events_may_add_and_remove_callbacks(ros):
