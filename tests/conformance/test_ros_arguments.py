@@ -29,15 +29,6 @@ def test_a_bare_remap_rule_is_for_ros_too(ros):
     context.shutdown()
 
 
-def test_arguments_are_utf_8():
-    with pytest.raises(UnicodeEncodeError):
-        rclpy.init(args=["\udc80"], context=Context())
-    with pytest.raises(UnicodeEncodeError):
-        remove_ros_args(["\udc80"])
-    with pytest.raises(TypeError):
-        rclpy.init(args=[5], context=Context())
-
-
 def test_unknown_arguments_are_listed():
     with pytest.raises(UnknownROSArgsError, match=r"\['--what', 'ever'\]"):
         rclpy.init(args=["--ros-args", "--what", "ever"], context=Context())

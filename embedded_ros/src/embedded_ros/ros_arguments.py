@@ -218,9 +218,6 @@ def _classified(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
     """Arguments, and whether each is for ``ROS``, the ``program`` or a bare ``remap rule``."""
     in_ros = False
     for argument in arguments:
-        if not isinstance(argument, str):
-            raise TypeError(f"an argument must be a str, not {argument!r}")
-        argument.encode()  # rcl takes UTF-8 only
         if argument == "--ros-args":
             in_ros = True
         elif not in_ros:

@@ -1,5 +1,6 @@
 """QoS that read-only parameters override."""
 
+from collections.abc import Callable
 from typing import Any
 
 from embedded_ros.message_classes import message_class
@@ -9,8 +10,16 @@ from embedded_ros.qos_overrides import (
     QoSOverridingOptions,
     declare_qos_parameters,
 )
+from embedded_ros.qos_profile import QoSProfile
 
-__all__ = ["InvalidQosOverridesError", "QoSOverridingOptions", "declare_qos_parameters"]
+__all__ = [
+    "InvalidQosOverridesError",
+    "QoSOverridingOptions",
+    "QosCallbackType",
+    "declare_qos_parameters",
+]
+
+QosCallbackType = Callable[[QoSProfile], Any]
 
 shown_in(__name__, InvalidQosOverridesError, QoSOverridingOptions)
 
