@@ -11,9 +11,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from embedded_ros.message_classes import message_class
+from embedded_ros.parameter_callbacks import Judge, React, Rewrite
 from embedded_ros.parameter_declaration import read_declarations
 from embedded_ros.parameter_messages import listing_message, result_message
-from embedded_ros.parameter_store import Judge, ParameterStore, React, Rewrite
+from embedded_ros.parameter_store import ParameterStore
 from embedded_ros.parameter_table import new_descriptor
 from embedded_ros.parameter_type import ParameterType
 from embedded_ros.parameter_value import Parameter
