@@ -187,14 +187,15 @@ class Task(_AnyFuture):
         self._awaits: Future[Any] | None = None
         self._turn = threading.Lock()
         self._advance: Callable[[], Any] | None
+        self._is_coroutine = inspect.iscoroutine(handler) or inspect.iscoroutinefunction(handler)
+        begin: Any = handler
         if inspect.iscoroutine(handler):
             self._advance = functools.partial(handler.send, None)
-            self._is_coroutine = True
+        elif self._is_coroutine:
+            coroutine = begin(*(args or ()), **(kwargs or {}))
+            self._advance = functools.partial(coroutine.send, None)
         else:
-            assert callable(handler), f"neither function nor coroutine: {handler!r}"
-            call = functools.partial(handler, *(args or ()), **(kwargs or {}))
-            self._is_coroutine = inspect.iscoroutinefunction(handler)
-            self._advance = functools.partial(call().send, None) if self._is_coroutine else call
+            self._advance = lambda: begin(*(args or ()), **(kwargs or {}))
 
     def __call__(self) -> None:
         """Run the function, or the coroutine to its next ``await``."""

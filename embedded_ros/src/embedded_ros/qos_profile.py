@@ -153,8 +153,9 @@ class QoSProfile:
     avoid_ros_namespace_conventions = _Policy(bool, False)
 
     def __init__(self, **kwargs: Any) -> None:
-        unknown = kwargs.keys() - self.policies.keys()
-        assert not unknown, f"a QoS profile has no {', '.join(sorted(unknown))}"
+        assert kwargs.keys() <= self.policies.keys(), (
+            f"Invalid arguments passed to constructor: {kwargs.keys()!r}"
+        )
         if not kwargs.keys() & {"history", "depth"}:
             raise InvalidQoSProfileException("History and/or depth settings are required.")
         for name in _POLICIES:

@@ -76,13 +76,12 @@ class SimulatedTimeline(Timeline):
             self._jump(ClockChange.ROS_TIME_DEACTIVATED, simulated=False, to=self._set_to)
 
     def _jump(self, change: ClockChange, *, simulated: bool, to: int) -> None:
-        before = self.read()
-        expected = (to if simulated else time.time_ns()) - before
-        concerned = [each for each in self.listeners if each.concerns(change, expected)]
+        # A change of the source is a jump by nothing, as rcl has it, however far the times are.
+        delta = to - self._set_to
+        concerned = [each for each in self.listeners if each.concerns(change, delta)]
         for listener in concerned:
             listener.before_jump()
         self._set_to, self.is_simulated = to, simulated
         self.read = self._simulated if simulated else time.time_ns
-        delta = self.read() - before
         for listener in concerned:
             listener.after_jump(change, delta)

@@ -134,7 +134,7 @@ class NodeEntities(NodeParameters):
         publisher = publisher_class(self._embedded.session, writer, msg_type, topic, name, profile)
         callbacks = event_callbacks or PublisherEventCallbacks()
         publisher._watched_events = self.__watch(writer, callbacks, topic, callback_group)
-        self._embedded.add(Kind.PUBLISHER, publisher, writer)
+        self._embedded.add(Kind.PUBLISHER, publisher)
         return publisher
 
     def create_subscription(
@@ -182,7 +182,7 @@ class NodeEntities(NodeParameters):
             raise
         callbacks = event_callbacks or SubscriptionEventCallbacks()
         subscription._watched_events = self.__watch(reader, callbacks, topic, group)
-        self._embedded.add(Kind.SUBSCRIPTION, subscription, reader, group=group)
+        self._embedded.add(Kind.SUBSCRIPTION, subscription, group)
         return subscription
 
     def __topic_name(
@@ -230,7 +230,7 @@ class NodeEntities(NodeParameters):
             self._embedded.session, srv_type._ros_service, address.full_name, address.profile
         )
         client = Client(self.context, ports, address, group)
-        self._embedded.add(Kind.CLIENT, client, *client._endpoints, group=group)
+        self._embedded.add(Kind.CLIENT, client, group)
         return client
 
     def create_service(
@@ -249,7 +249,7 @@ class NodeEntities(NodeParameters):
             self._embedded.session, srv_type._ros_service, address.full_name, address.profile
         )
         service = Service(ports, address, callback, group)
-        self._embedded.add(Kind.SERVICE, service, *service._endpoints, group=group)
+        self._embedded.add(Kind.SERVICE, service, group)
         return service
 
     def __address(self, srv_type: type[Any], name: str, profile: QoSProfile) -> ServiceAddress:
@@ -291,7 +291,7 @@ class NodeEntities(NodeParameters):
             autostart=autostart,
         )
         timer._alarm.on_change = self._embedded.on_change
-        self._embedded.add(Kind.TIMER, timer, group=group)
+        self._embedded.add(Kind.TIMER, timer, group)
         return timer
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
@@ -307,28 +307,26 @@ class NodeEntities(NodeParameters):
         """Make a trigger for a callback."""
         group = callback_group or self.__own_group
         guard = GuardCondition(callback, group, self.context)
-        self._embedded.add(Kind.GUARD_CONDITION, guard, group=group)
+        self._embedded.add(Kind.GUARD_CONDITION, guard, group)
         return guard
 
     # ------------------------------------------------------------------ coming and going
 
     def destroy_publisher(self, publisher: Publisher) -> bool:
         """Destroy a publisher; False if it is not one of this node."""
-        self._embedded.registry.remove(Kind.EVENTS, publisher._watched_events)
-        return self._embedded.remove(Kind.PUBLISHER, publisher, *publisher._endpoints)
+        return self._embedded.remove(Kind.PUBLISHER, publisher)
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
         """Destroy a subscription; False if it is not one of this node."""
-        self._embedded.registry.remove(Kind.EVENTS, subscription._watched_events)
-        return self._embedded.remove(Kind.SUBSCRIPTION, subscription, *subscription._endpoints)
+        return self._embedded.remove(Kind.SUBSCRIPTION, subscription)
 
     def destroy_client(self, client: Client) -> bool:
         """Destroy a client; False if it is not one of this node."""
-        return self._embedded.remove(Kind.CLIENT, client, *client._endpoints)
+        return self._embedded.remove(Kind.CLIENT, client)
 
     def destroy_service(self, service: Service) -> bool:
         """Destroy a service; False if it is not one of this node."""
-        return self._embedded.remove(Kind.SERVICE, service, *service._endpoints)
+        return self._embedded.remove(Kind.SERVICE, service)
 
     def destroy_timer(self, timer: Timer) -> bool:
         """Destroy a timer; False if it is not one of this node."""

@@ -88,23 +88,22 @@ class Subscription:
 
     @callback.setter
     def callback(self, value: Callable[..., Any]) -> None:
-        signature = inspect.signature(value)
-        if not (_takes(signature, 1) or _takes(signature, 2)):
+        if not (_takes(value, 1) or _takes(value, 2)):
             raise RuntimeError(
                 "Subscription.__init__(): callback should be either be callable with one argument"
                 "(to get only the message) or two (to get message and message info)"
             )
         self._call = value
-        self._wants_info = not _takes(signature, 1)
+        self._wants_info = not _takes(value, 1)
 
     def destroy(self) -> None:
         """Delete the subscription. Again is fine."""
         self._reader.close()
 
 
-def _takes(signature: inspect.Signature, count: int) -> bool:
+def _takes(value: Any, count: int) -> bool:
     try:
-        signature.bind(*range(count))
+        inspect.signature(value).bind(*range(count))
     except TypeError:
         return False
     return True

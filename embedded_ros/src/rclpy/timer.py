@@ -59,9 +59,9 @@ class Timer:
         return self._alarm
 
     @property
-    def handle(self) -> Alarm | None:
-        """What is below the timer; None once the timer is destroyed."""
-        return None if self._alarm.state is AlarmState.CLOSED else self._alarm
+    def handle(self) -> Alarm:
+        """What is below the timer."""
+        return self._alarm
 
     def destroy(self) -> None:
         """Stop for ever. Again is fine."""
@@ -163,7 +163,7 @@ class Rate:
         with self._bell:
             if self._ending is RuntimeError:
                 raise RuntimeError("Rate cannot sleep because it has been destroyed")
-            if self._ending is None and self._ticker.handle is None:
+            if self._ending is None and self._ticker.handle.state is AlarmState.CLOSED:
                 self._ending = RuntimeError
                 raise InvalidHandle("Rate cannot sleep because the timer has been destroyed")
             known = self._known

@@ -5,6 +5,7 @@ import threading
 from collections.abc import Sequence
 
 from embedded_ros.argument_encoding import check_encoding
+from embedded_ros.errors import RCLInvalidROSArgsError
 from embedded_ros.ros_arguments import parse_arguments, without_ros_arguments
 from rclpy.constants import S_TO_NS
 from rclpy.context import Context
@@ -63,10 +64,15 @@ def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     ------
     UnicodeEncodeError
         If one is not UTF-8.
+    RCLInvalidROSArgsError
+        If one of ROS's is malformed.
     """
     words = sys.argv if args is None else args
     check_encoding(words)
-    parse_arguments(words)  # malformed ones are an error here, too
+    try:
+        parse_arguments(words)
+    except RCLInvalidROSArgsError as error:
+        raise RCLInvalidROSArgsError(f"Failed to parse ROS arguments: {error}") from None
     return without_ros_arguments(words)
 
 
