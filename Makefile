@@ -9,6 +9,9 @@ BIN := $(VENV)/bin
 PACKAGES := $(addprefix src/,bdt_msgs_py bdt_plant bdt_controller bdt_twin bdt_bags bdt_analysis bdt_study bdt_bringup)
 SOURCES := src tests embedded_ros checks docs/make_figures.py docs/source/conf.py docs/source/extensions
 
+# Tests of one file share what they set up, so a file stays with one process.
+PARALLEL ?= --numprocesses auto --maxprocesses 4 --dist loadfile
+
 .PHONY: run test test-noble conformance stray-messages setup check docs figures dist dist-test version lock
 
 # DURATION=40 runs 40 s of the scenario's 120.
@@ -16,12 +19,12 @@ run: setup
 	$(BIN)/bdt run --config config/paper.yaml $(if $(DURATION),--duration $(DURATION))
 
 test: check $(VENV)/.docs-ready
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(PARALLEL)
 
 # The tests with the versions that Ubuntu 24.04 ships, in an environment of its own.
 test-noble:
 	$(MAKE) --no-print-directory setup VENV=.venv-noble PYTHON=python3.11 VERSIONS=requirements-noble.txt
-	.venv-noble/bin/python -m pytest
+	.venv-noble/bin/python -m pytest $(PARALLEL)
 
 # The documented behavior of rclpy: that of a ROS 2 that is sourced, else that of embedded_ros.
 conformance:

@@ -31,7 +31,7 @@ pytest_plugins = ["recorded_loops"]
 settings.register_profile("project", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("project")
 
-DEADLINE = 20.0
+DEADLINE = 60.0
 """Wall time [s] after which a condition counts as never met."""
 
 

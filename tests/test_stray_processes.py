@@ -19,7 +19,7 @@ from bdt_msgs_py.reading import nanoseconds_from_stamp, read_samples
 from bdt_msgs_py.topics import ALL_TOPICS, MEASUREMENT, PROGRESS, TELEMETRY, TELEMETRY_COLUMNS
 
 CONFIG = Path(__file__).parents[1] / "config" / "paper.yaml"
-DEADLINE = 60.0
+DEADLINE = 180.0
 ONE_SECOND = 250_000
 """Size of the recording of a second [byte]."""
 

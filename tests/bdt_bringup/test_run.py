@@ -18,7 +18,7 @@ from bdt_msgs_py.reading import read_position, read_samples, read_voltage
 from bdt_msgs_py.topics import GAP_JOINT, TELEMETRY_COLUMNS
 
 CONFIG = Path(__file__).parents[2] / "config"
-DEADLINE = 60.0
+DEADLINE = 180.0
 ONE_SECOND = 250_000
 """Size of the recording of a second [byte]."""
 VICTIMS = ("plant", "controller", "twin", "recorder")

@@ -14,7 +14,7 @@ from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_stamp
 from bdt_msgs_py.topics import COMMAND, DIAGNOSTICS
 
-DEADLINE = 30.0
+DEADLINE = 60.0
 MODULES = {
     "plant": "bdt_plant.plant_node",
     "controller": "bdt_controller.controller_node",

@@ -8,7 +8,7 @@ import pytest
 from bdt_twin.estimation_thread import LARGEST_BACKLOG, EstimationThread
 from bdt_twin.estimator import Estimate, TelemetryRejectedError
 
-DEADLINE = 30.0
+DEADLINE = 60.0
 
 
 class Recorder:

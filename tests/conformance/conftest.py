@@ -39,7 +39,7 @@ if _is_installed("rmw_cyclonedds_cpp"):
     os.environ.setdefault("CYCLONEDDS_URI", LOOPBACK)
     os.environ.setdefault("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
 
-DEADLINE = 20.0
+DEADLINE = 60.0
 """Wall time [s] after which a condition counts as never met."""
 
 

@@ -73,7 +73,7 @@ def test_a_program_may_end_without_cleaning_up(how, code):
         [sys.executable, "-c", LEAVING, how],
         capture_output=True,
         text=True,
-        timeout=20,
+        timeout=60,
         check=False,
     )
     assert done.returncode == code

@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[2]
 TUTORIALS = ROOT / "docs" / "source" / "tutorials"
 PAGES = sorted(page for page in TUTORIALS.glob("*.md") if page.stem != "index")
 CHECKOUT = ("Makefile", "config", "embedded_ros", "requirements.lock", "src")
-DEADLINE = 110.0
+DEADLINE = 240.0
 """Wall time [s] after which a command hangs."""
 WAITING = re.compile(r"^\[INFO\] \[[\d.]+\] \[plant\]: waiting for .*\n", re.MULTILINE)
 """What a busy machine makes the plant say."""
@@ -136,7 +136,7 @@ class Terminal:
         for number in (signal.SIGINT, signal.SIGKILL):
             try:
                 os.killpg(self._shell.pid, number)
-                self._shell.wait(timeout=10.0)
+                self._shell.wait(timeout=60.0)
             except (subprocess.TimeoutExpired, ProcessLookupError):
                 continue
         self._reader.join()

@@ -93,7 +93,7 @@ def test_a_program_may_end_while_a_daemon_thread_spins():
         [sys.executable, "-c", LEAVING],
         capture_output=True,
         text=True,
-        timeout=20,
+        timeout=60,
         check=False,
     )
     assert (done.returncode, done.stdout, done.stderr) == (0, "leaves\n", "")

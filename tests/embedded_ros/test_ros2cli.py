@@ -12,11 +12,13 @@ import pytest
 import yaml
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
-from ros2cli.node_session import DEFAULT_SPIN_TIME
+from ros2cli.cli import main
+from ros2cli.commands.options import SPIN_TIME_S
+from ros2cli.errors import CommandError, Terminated
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
 
-TIMEOUT_S = 30
+TIMEOUT_S = 120
 COMMAND = [sys.executable, "-c", "from ros2cli.cli import main; raise SystemExit(main())"]
 
 
@@ -57,6 +59,7 @@ def robot(ros, spin_in_thread):
     )
     node.declare_parameter("group.names", ["a", "b"])
     node.declare_parameter("size", 3, ParameterDescriptor(read_only=True))
+    node.declare_parameter("size.unit", "m")
     node.create_publisher(Float64MultiArray, "data", 10)
     node.create_publisher(String, "_secret", 10)
     node.create_subscription(String, "words", lambda _: None, 10)
@@ -107,7 +110,7 @@ def test_a_node_that_tells_its_name_late_is_waited_for(robot):
             assert robot.wait_for_node(f"/_ros2cli_{process.pid}", TIMEOUT_S)
             # rmw_fastrtps tells a newcomer of its nodes up to 3 s after it is found.
             with pytest.raises(subprocess.TimeoutExpired):
-                process.wait(DEFAULT_SPIN_TIME + 1.0)
+                process.wait(SPIN_TIME_S + 1.0)
             graph._own = nodes
             graph._publish()
             assert process.communicate(timeout=TIMEOUT_S)[0] == "/robot\n"
@@ -128,7 +131,10 @@ def test_parameters_are_shown(robot):
         ("param", "get", "/robot", "nothing"),
         ("param", "get", "/nobody", "gain"),
     )
-    lines = "  gain\n  group.names\n  size\n  start_type_description_service\n  use_sim_time\n"
+    lines = (
+        "  gain\n  group.names\n  size\n  size.unit\n"
+        "  start_type_description_service\n  use_sim_time\n"
+    )
     assert listed == (lines, "", 0)
     assert everything == (f"/robot:\n{lines}", "", 0)
     assert "  group.names (type: string array)\n" in typed[0]
@@ -143,6 +149,32 @@ def test_parameters_are_shown(robot):
     )
     assert missing == failure("Parameter not set")
     assert nobody == failure("Node not found")
+
+
+def test_what_is_misspelled_is_answered_with_what_is_there(robot):
+    cases = {
+        ("node", "info", "/robt"): "Unable to find node '/robt'; did you mean '/robot'?",
+        ("param", "get", "/robt", "gain"): "Node not found; did you mean '/robot'?",
+        ("param", "get", "/robot", "gian"): "Parameter not set; did you mean 'gain'?",
+        ("param", "describe", "/robot", "gain", "zzz"): "Parameter not set: zzz",
+        ("param", "list", "--filter", "(", "/robot"): "--filter '(' is no regular expression: ",
+        ("service", "info", "/flop"): "Unknown service '/flop'; did you mean '/flip'?",
+        ("service", "call", "/flip", "std_srvs/srv/SetBol"): (
+            "Unknown service type 'std_srvs/srv/SetBol'; did you mean 'std_srvs/srv/SetBool'?"
+        ),
+        ("service", "call", "no name", "std_srvs/srv/Empty"): "Invalid service name: ",
+        ("topic", "info", "/dota"): "Unknown topic '/dota'; did you mean '/data'?",
+        ("run", "embedded_rose", "x"): (
+            "Package 'embedded_rose' not found; did you mean 'embedded_ros'?"
+        ),
+        ("run", "embedded_ros", "ros"): "No executable found; did you mean 'ros2'?",
+        ("run", "--prefix", "/no/gdb -x", "embedded_ros", "ros2"): "Could not start '/no/gdb': ",
+        ("run", "--prefix", "'", "embedded_ros", "ros2"): "--prefix ",
+    }
+    results = ros2_all(*cases)
+    for (words, complaint), (out, errors, code) in zip(cases.items(), results, strict=True):
+        assert (out, errors.count("\n"), code) == ("", 1, 1), (words, errors)
+        assert errors.startswith(complaint), words
 
 
 def test_parameters_are_set(robot):
@@ -163,18 +195,25 @@ def test_parameters_are_set(robot):
 
 def test_parameters_are_dumped_and_loaded(robot, tmp_path):
     path, other = tmp_path / "p.yaml", tmp_path / "q.yaml"
+    no_names = tmp_path / "r.yaml"
     path.write_text("/robot: {ros__parameters: {gain: 7.5, size: 9}}")
     other.write_text("/robot: [")
-    dumped, missing, malformed = ros2_all(
+    no_names.write_text("/robot: {ros__parameters: [1, 2]}")
+    dumped, missing, malformed, nameless = ros2_all(
         ("param", "dump", "/robot"),
         ("param", "load", "/robot", "/nowhere.yaml"),
         ("param", "load", "/robot", str(other)),
+        ("param", "load", "/robot", str(no_names)),
     )
     content = yaml.safe_load(dumped[0])["/robot"]["ros__parameters"]
     assert content["group"] == {"names": ["a", "b"]}
+    # Below a value nothing can be nested; a file with a dotted name is read the same.
+    assert (content["size"], content["size.unit"]) == (3, "m")
     assert missing == failure("[Errno 2] No such file or directory: '/nowhere.yaml'")
     assert malformed[1].startswith(f"{other} is not valid YAML: while parsing")
     assert malformed[1].count("\n") == malformed[2] == 1
+    assert nameless[1].startswith(f"{no_names} is no parameter file: ")
+    assert nameless[1].count("\n") == nameless[2] == 1
     assert ros2("param", "load", "/robot", str(path)) == (
         "Set parameter gain successful\n",
         "Set parameter size failed: Trying to set a read-only parameter: size.\n",
@@ -219,12 +258,10 @@ def test_service_calls(robot):
         + response.format(False)
     )
     assert short[0].endswith(response.format(True))
-    assert no_type == failure("The passed service type is invalid")
-    assert no_service == failure("The passed type is not a service")
-    assert no_field == failure(
-        "Failed to populate field: 'SetBool_Request' object has no attribute 'x'"
-    )
-    assert no_yaml[1].startswith("The passed value needs to be a dictionary in YAML format: ")
+    assert no_type == failure("Unknown service type 'std_srvs/srv/Nothing'")
+    assert no_service == failure("'std_msgs/msg/String' is a message, not a service")
+    assert no_field == failure("SetBool_Request has no field 'x', but data")
+    assert no_yaml[1].startswith("'{data: [' is not valid YAML: ")
     assert no_yaml[1].count("\n") == no_yaml[2] == 1
 
 
@@ -249,10 +286,11 @@ def test_definitions_are_shown():
         "uint64 DEPTH_RECURSIVE=0\nstring[] prefixes\nuint64 depth\n---\n"
         "ListParametersResult result\n\tstring[] names\n\tstring[] prefixes\n"
     )
-    assert unknown == failure("Could not find the interface 'std_msgs/msg/Nothing'")
-    assert no_package == failure("Unknown package 'nothing'")
+    assert unknown == failure("Unknown type 'std_msgs/msg/Nothing'")
+    assert no_package == failure("Unknown type 'nothing/msg/Nothing'")
     assert malformed == failure(
-        "Invalid name 'std_msgs/String'. Expected three parts separated by '/'"
+        "'std_msgs/String' is no type such as std_msgs/msg/String; "
+        "did you mean 'std_msgs/msg/String'?"
     )
 
 
@@ -295,7 +333,7 @@ def test_packages_and_executables():
 def test_the_doctor_tells_what_runs_over_what(robot):
     checked, report = ros2_all(("doctor",), ("doctor", "--report"))
     assert checked[0] == "\nAll 4 checks passed\n\n"
-    assert "UserWarning: Publisher without subscriber detected on /data.\n" in checked[1]
+    assert "UserWarning: /data is published, and nobody subscribes.\n" in checked[1]
     assert checked[2] == report[2] == 0
     for line in (
         r"   RUNTIME\nruntime +: embedded_ros",
@@ -325,3 +363,42 @@ def test_commands_explain_themselves():
     for result in (unknown, unknown_verb):
         assert "invalid choice: 'nothing'" in result[1]
         assert result[2] == 2
+
+
+@pytest.mark.parametrize(
+    "words", [("interface", "list"), ("topic", "pub", "-r", "50", "/x", "std_msgs/msg/Empty")]
+)
+def test_a_reader_that_goes_away_is_no_error_text(words):
+    with subprocess.Popen(
+        [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        process.stdout.close()
+        try:
+            assert process.stderr.read() == ""
+            assert process.wait(TIMEOUT_S) == 1
+        finally:
+            process.kill()
+
+
+@pytest.mark.parametrize(
+    ("end", "code", "told"),
+    [
+        (KeyboardInterrupt(), 2, ""),
+        (Terminated(), 15, ""),
+        (CommandError("two\n  lines"), 1, "two lines\n"),
+        (RuntimeError("rclpy\nrefuses"), 1, "rclpy refuses\n"),
+    ],
+)
+def test_how_a_command_ends_is_its_exit_code(monkeypatch, capsys, end, code, told):
+    def show_packages(_arguments):
+        raise end
+
+    monkeypatch.setattr("ros2cli.interfaces.show_packages", show_packages)
+    assert main(["interface", "packages"]) == code
+    assert capsys.readouterr() == ("", told)
+
+
+def test_what_is_no_users_mistake_is_not_hidden(monkeypatch):
+    monkeypatch.setattr("ros2cli.interfaces.show_packages", lambda _arguments: {}["bug"])
+    with pytest.raises(KeyError):
+        main(["interface", "packages"])

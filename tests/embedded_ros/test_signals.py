@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-TIMEOUT_S = 30
+TIMEOUT_S = 120
 
 PROGRAM = """
 import rclpy

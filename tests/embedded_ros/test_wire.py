@@ -249,7 +249,7 @@ def participants_seen(ros, configuration, deadline):
     """Find how many participants, itself included, a process with a configuration finds."""
     domain_id = str(ros.context.get_domain_id())
     command = [sys.executable, "-c", PARTICIPANTS, domain_id, configuration, str(deadline)]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
     return int(result.stdout)
 
 

@@ -10,80 +10,32 @@ from typing import Any
 
 import rclpy
 from rclpy.duration import Duration
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.time import Time
 from ros2cli.bag_qos import profile_to_offer
-from ros2cli.bag_reading import add_bag_arguments, open_bag
-from ros2cli.errors import CommandError
+from ros2cli.bag_reading import messages_of, open_bag
+from ros2cli.errors import CommandError, Terminated
 from ros2cli.messages import import_type
 from ros2cli.node_session import command_node, full_topic_name
-from ros2cli.number_arguments import not_negative_float, not_negative_int, positive_float
 
-__all__ = ["add_verb"]
+__all__ = ["play"]
 
 _NANOSECONDS = 1e9
 #: Subscriptions that are there find a new publisher within this time.
 _DISCOVERY_S = 0.5
 
 
-def add_verb(verbs: Any) -> None:
-    """Add the verb to the parser."""
-    verb = verbs.add_parser("play", help="Play back ROS data from a bag")
-    add_bag_arguments(verb)
-    verb.add_argument(
-        "-r", "--rate", type=positive_float, default=1.0, help="Rate at which to play (> 0.0)"
-    )
-    verb.add_argument("--topics", metavar="TOPIC", nargs="+", default=[], help="Topics to play")
-    verb.add_argument(
-        "--exclude-topics", metavar="TOPIC", nargs="+", default=[], help="Not to play"
-    )
-    verb.add_argument("-e", "--regex", default="", help="Play topics that match the expression")
-    verb.add_argument("-x", "--exclude-regex", default="", help="Leave out topics that match it")
-    verb.add_argument("-l", "--loop", action="store_true", help="Start again at the end")
-    verb.add_argument(
-        "-m", "--remap", metavar="OLD:=NEW", nargs="+", default=[], help="Topics to rename"
-    )
-    verb.add_argument(
-        "--clock",
-        metavar="HZ",
-        type=positive_float,
-        nargs="?",
-        const=40.0,
-        help="Publish the time of the bag on /clock at this rate (40 Hz by default)",
-    )
-    verb.add_argument(
-        "-d", "--delay", type=not_negative_float, default=0.0, help="Seconds before each loop"
-    )
-    verb.add_argument(
-        "--start-offset", type=not_negative_float, default=0.0, help="Start this far into the bag"
-    )
-    verb.add_argument(
-        "--playback-duration", type=float, default=-1.0, help="Seconds to play; negative: all"
-    )
-    verb.add_argument(
-        "--wait-for-all-acked",
-        metavar="TIMEOUT",
-        type=not_negative_int,
-        help="At the end wait until all has arrived, for so many milliseconds (0: for ever)",
-    )
-    verb.add_argument(
-        "--disable-keyboard-controls", action="store_true", help="There are none in any case"
-    )
-    verb.set_defaults(main=_play)
-
-
-def _play(arguments: argparse.Namespace) -> None:
-    remappings = [word for rule in arguments.remap for word in ("-r", rule)]
+def play(arguments: argparse.Namespace) -> None:
+    """``bag play``."""
+    remappings = tuple(word for rule in arguments.remap for word in ("-r", rule))
     with (
         # As in Jazzy: who stops a player has got what was wanted.
-        suppress(KeyboardInterrupt, ExternalShutdownException),
+        suppress(KeyboardInterrupt, Terminated),
         open_bag(Path(arguments.bag_path), arguments.storage) as reader,
-        command_node(
-            name="rosbag2_player", init_arguments=["--ros-args", *remappings, "--"]
-        ) as node,
+        command_node(name="rosbag2_player", ros_arguments=remappings) as node,
         closing(_Player(node, reader, arguments)) as player,
     ):
         player.wait(_DISCOVERY_S + arguments.delay)
@@ -117,18 +69,15 @@ class _Player:
         log = self._node.get_logger()
         for connection in self._chosen():
             try:
-                message_class = import_type(connection.msgtype, "msg", "it is not installed")
+                message_class = import_type(connection.msgtype, "msg")
             except CommandError as error:
-                log.warning(
-                    f"Ignoring a topic '{connection.topic}' of type '{connection.msgtype}', "
-                    f"reason: {error}."
-                )
+                log.warning(f"'{connection.topic}' is not played: {error}")
                 continue
             profile, differed = profile_to_offer(connection.ext.offered_qos_profiles)
             if differed:
                 log.warning(
-                    f"Not all original publishers on topic {connection.topic} offered the same QoS "
-                    "profiles. Falling back to the default publisher offer."
+                    f"'{connection.topic}' was published with several QoS profiles: it is played "
+                    "with the default one"
                 )
             publishers[connection.id] = self._node.create_publisher(
                 message_class, connection.topic, profile
@@ -166,7 +115,7 @@ class _Player:
             return
         began = time.monotonic()
         self._next_clock = began if self._clock is not None else float("inf")
-        for connection, stamp, payload in self._reader.messages(connections, start, stop):
+        for connection, stamp, payload in messages_of(self._reader, connections, start, stop):
             due = began + (stamp - start) / _NANOSECONDS / rate
             self._publish_clock_until(due, began, start)
             self.wait(due - time.monotonic())
@@ -198,8 +147,7 @@ class _Player:
             limit = Duration(nanoseconds=timeout * 1_000_000 if timeout else -1)
             if not publisher.wait_for_all_acked(limit):
                 self._node.get_logger().error(
-                    f"Timed out while waiting for all published messages on topic "
-                    f"{publisher.topic_name} to be acknowledged."
+                    f"Not everybody had all of {publisher.topic_name} within {timeout} ms"
                 )
 
     def close(self) -> None:

@@ -21,7 +21,7 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 from rclpy.topic_endpoint_info import TopicEndpointInfo
-from ros2cli.qos_options import compatible_policies
+from ros2cli.qos import hear_all
 
 __all__ = ["offered_by", "profile_to_offer", "profile_to_request"]
 
@@ -38,12 +38,10 @@ def offered_by(publishers: Sequence[TopicEndpointInfo]) -> list[Qos]:
     return [_to_bag(publisher.qos_profile) for publisher in publishers]
 
 
-def profile_to_request(
-    publishers: Sequence[TopicEndpointInfo],
-) -> tuple[QoSProfile, list[tuple[str, str]]]:
-    """Profile of a subscription that hears all publishers, and the compromises that it takes."""
+def profile_to_request(publishers: Sequence[TopicEndpointInfo]) -> tuple[QoSProfile, list[str]]:
+    """Profile of a subscription that hears all publishers, and what is lost by that, in words."""
     profile = QoSProfile(depth=_REQUEST_DEPTH)
-    return profile, compatible_policies(publishers, profile)
+    return profile, hear_all(publishers, profile)
 
 
 def profile_to_offer(recorded: Sequence[Qos]) -> tuple[QoSProfile, bool]:

@@ -1,31 +1,15 @@
 """Opening bags, with errors that a user can read."""
 
-import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ros2cli.errors import CommandError
 
-__all__ = ["STORAGES", "add_bag_arguments", "open_bag"]
+__all__ = ["messages_of", "open_bag"]
 
-STORAGES = ("mcap", "sqlite3")
-_SUFFIXES = {".mcap": "mcap", ".db3": "sqlite3"}
-
-
-def add_bag_arguments(verb: argparse.ArgumentParser) -> None:
-    """Add the arguments that name a bag."""
-    verb.add_argument("bag_path", type=_existing, help="Bag to open")
-    verb.add_argument(
-        "-s", "--storage", choices=STORAGES, help="Storage of the bag; found out by default"
-    )
-
-
-def _existing(text: str) -> str:
-    if not Path(text).exists():
-        raise argparse.ArgumentTypeError(f"Bag path '{text}' does not exist!")
-    return text
+_STORAGES = {".mcap": "mcap", ".db3": "sqlite3"}
 
 
 @contextmanager
@@ -37,21 +21,34 @@ def open_bag(path: Path, storage: str | None) -> Iterator[Any]:
     rosbags.rosbag2.Reader
     """
     # Imported here: it takes longer than all other commands need to start.
-    from rosbags.rosbag2 import Reader, ReaderError
+    from rosbags.rosbag2 import Reader
 
     if path.is_dir() and not (path / "metadata.yaml").is_file():
-        raise CommandError(f"Could not find metadata in bag directory {path}")
-    if path.is_file() and _SUFFIXES.get(path.suffix) != (storage or _SUFFIXES.get(path.suffix, "")):
-        raise CommandError(f"No plugin detected that could open file {path}")
-    try:
+        raise CommandError(f"{path} is no bag: it has no metadata.yaml")
+    if path.is_file():
+        found = _STORAGES.get(path.suffix)
+        if found is None or found != (storage or found):
+            raise CommandError(f"{path} is no {storage or 'mcap or sqlite3'} file by its name")
+    with _damage_told(f"Could not open bag {path}"):
         reader = Reader(path)
         reader.open()
-    except (ReaderError, OSError, AssertionError) as error:
-        reason = " ".join(str(error).split()) or "it is damaged"
-        raise CommandError(f"Could not open bag {path}: {reason}") from None
     try:
         yield reader
-    except ReaderError as error:
-        raise CommandError(f"Could not read bag {path}: {' '.join(str(error).split())}") from None
     finally:
         reader.close()
+
+
+def messages_of(
+    reader: Any, connections: Sequence[Any], start: int, stop: int | None
+) -> Iterator[tuple[Any, int, bytes]]:
+    """Connections, times in ns and bytes of the messages from `start` on and before `stop`."""
+    with _damage_told(f"Could not read bag {reader.path}"):
+        yield from reader.messages(connections, start, stop)
+
+
+@contextmanager
+def _damage_told(complaint: str) -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:  # noqa: BLE001 - damaged bytes lead rosbags to any error
+        raise CommandError(f"{complaint}: {str(error) or 'it is damaged'}") from None

@@ -13,67 +13,19 @@ from typing import Any
 
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
-from ros2cli.bag_reading import STORAGES
 from ros2cli.bag_recorder import Recorder, Selection
 from ros2cli.errors import CommandError
 from ros2cli.node_session import command_node, full_topic_name
-from ros2cli.number_arguments import positive_int
 
-__all__ = ["add_verb"]
+__all__ = ["record"]
 
 _FINISH_S = 1.0
 #: One spin may run a callback that is no message's.
 _IDLE_SPINS = 3
-_PREFIX = "[ERROR] [ros2bag]:"
 
 
-def add_verb(verbs: Any) -> None:
-    """Add the verb to the parser."""
-    verb = verbs.add_parser("record", help="Record ROS data to a bag")
-    verb.add_argument("-o", "--output", help="Bag to create; named after the time by default")
-    verb.add_argument(
-        "-s", "--storage", choices=STORAGES, default="mcap", help="Storage (default: %(default)s)"
-    )
-    verb.add_argument("topics_positional", metavar="TOPIC", nargs="*", help="Topics to record")
-    verb.add_argument("--topics", metavar="TOPIC", nargs="+", default=[], help="Topics to record")
-    verb.add_argument(
-        "--topic-types", metavar="TYPE", nargs="+", default=[], help="Types to record"
-    )
-    verb.add_argument("-a", "--all", "--all-topics", action="store_true", help="Record all topics")
-    verb.add_argument("-e", "--regex", default="", help="Record topics that hold the expression")
-    verb.add_argument("--exclude-regex", default="", help="Leave out topics that hold it")
-    verb.add_argument(
-        "--exclude-topics", metavar="TOPIC", nargs="+", default=[], help="Topics not to record"
-    )
-    verb.add_argument(
-        "--include-unpublished-topics", action="store_true", help="Topics without publisher, too"
-    )
-    verb.add_argument("--include-hidden-topics", action="store_true", help="Hidden topics, too")
-    verb.add_argument(
-        "--no-discovery", action="store_true", help="Record only what is there at the start"
-    )
-    verb.add_argument(
-        "-p",
-        "--polling-interval",
-        metavar="MS",
-        type=positive_int,
-        default=100,
-        help="Time between looks for new topics (default: %(default)s ms)",
-    )
-    verb.add_argument(
-        "--use-sim-time", action="store_true", help="Stamp with /clock; wait until it is there"
-    )
-    verb.add_argument("--node-name", default="rosbag2_recorder", help="Default: %(default)s")
-    verb.add_argument(
-        "--custom-data", metavar="KEY=VALUE", nargs="*", default=[], help="Put into the metadata"
-    )
-    verb.add_argument(
-        "--disable-keyboard-controls", action="store_true", help="There are none in any case"
-    )
-    verb.set_defaults(main=_record)
-
-
-def _record(arguments: argparse.Namespace) -> None:
+def record(arguments: argparse.Namespace) -> None:
+    """``bag record``."""
     path = Path(arguments.output or f"{dt.datetime.now():rosbag2_%Y_%m_%d-%H_%M_%S}")
     _check(arguments, path)
     # A signal must not end this in the middle of a write: it only asks for the end.
@@ -142,29 +94,23 @@ def _finish(recorder: Recorder, executor: SingleThreadedExecutor) -> None:
 
 def _check(arguments: argparse.Namespace, path: Path) -> None:
     if arguments.topics and arguments.topics_positional:
-        raise CommandError(f"{_PREFIX} Give topics either after --topics or without it")
+        raise CommandError("Give topics either after --topics or without it")
     chosen = (arguments.topics, arguments.topics_positional, arguments.topic_types, arguments.regex)
     if not arguments.all and not any(chosen):
-        raise CommandError(
-            f"{_PREFIX} Need to specify at least one option out of --all, --all-topics, "
-            "--topics, --topic-types or --regex"
-        )
+        raise CommandError("Name topics to record, or use --all, --regex or --topic-types")
     if path.exists():
-        raise CommandError(f"{_PREFIX} Output folder '{path}' already exists.")
+        raise CommandError(f"'{path}' already exists; a recording needs a new folder")
     if arguments.use_sim_time and arguments.no_discovery:
-        raise CommandError(
-            f"{_PREFIX} --use-sim-time and --no-discovery both set, but are incompatible settings. "
-            "The /clock topic needs to be discovered to record with sim time."
-        )
+        raise CommandError("--use-sim-time needs /clock, which --no-discovery may miss; use one")
     for option in ("regex", "exclude_regex"):
         try:
             re.compile(getattr(arguments, option))
         except re.error as error:
             name = option.replace("_", "-")
-            raise CommandError(f"{_PREFIX} --{name} is no regular expression: {error}") from None
+            raise CommandError(f"--{name} is no regular expression: {error}") from None
     for item in arguments.custom_data:
         if "=" not in item:
-            raise CommandError(f"{_PREFIX} Custom data must be KEY=VALUE, not '{item}'")
+            raise CommandError(f"--custom-data takes KEY=VALUE, not '{item}'")
 
 
 @contextmanager
@@ -185,7 +131,7 @@ def _open_writer(path: Path, arguments: argparse.Namespace) -> Iterator[Any]:
                 writer.set_custom_data(key, value)
             yield writer
     except (WriterError, OSError) as error:
-        raise CommandError(f"{_PREFIX} Could not write bag '{path}': {error}") from None
+        raise CommandError(f"Could not write bag '{path}': {error}") from None
 
 
 @contextmanager

@@ -10,9 +10,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from ros2cli.bag_qos import offered_by, profile_to_request
 from ros2cli.errors import CommandError
+from ros2cli.graph import is_hidden, others
 from ros2cli.interface_texts import definition_with_dependencies
 from ros2cli.messages import import_type
-from ros2cli.node_session import is_hidden
 
 __all__ = ["Recorder", "Selection"]
 
@@ -84,11 +84,7 @@ class Recorder:
         for topic, types in self.node.get_topic_names_and_types():
             if not self._selection.wants(topic, types[0]):
                 continue
-            publishers = [
-                info
-                for info in self.node.get_publishers_info_by_topic(topic)
-                if info.node_name != self.node.get_name()
-            ]
+            publishers = others(self.node, self.node.get_publishers_info_by_topic(topic))
             if topic in self._profiles:
                 self._check_new_publishers(topic, publishers)
             elif publishers or self._selection.unpublished:
@@ -97,29 +93,20 @@ class Recorder:
     def _subscribe(self, topic: str, types: list[str], publishers: list[TopicEndpointInfo]) -> None:
         if len(types) > 1:
             self._warn_once(
-                topic,
-                f"Topic '{topic}' has several types associated. Only topics with one type are "
-                "supported",
+                topic, f"'{topic}' is not recorded: it has several types, {', '.join(types)}"
             )
             return
         type_name = types[0]
         try:
-            message_class = import_type(type_name, "msg", "it is not installed")
+            message_class = import_type(type_name, "msg")
             definition = definition_with_dependencies(type_name)
         except CommandError as error:
-            self._warn_once(
-                topic,
-                f"Topic '{topic}' has unknown type '{type_name}'. Only topics with known type are "
-                f"supported. Reason: '{error}'",
-            )
+            self._warn_once(topic, f"'{topic}' is not recorded: {error}")
             return
-        profile, compromises = profile_to_request(publishers)
+        profile, losses = profile_to_request(publishers)
         log = self.node.get_logger()
-        for policy, substitute in compromises:
-            log.warning(
-                f'Some, but not all, publishers on topic "{topic}" are offering {policy}. '
-                f"Falling back to {substitute} as it will connect to all publishers."
-            )
+        for lost in losses:
+            log.warning(f"{topic} {lost}")
         connection = self._writer.add_connection(
             topic,
             type_name,
@@ -167,9 +154,8 @@ class Recorder:
                 if lost:
                     self._warn_once(
                         f"{topic} {offer}",
-                        f"A new publisher for subscribed topic {topic} was found offering {offer}, "
-                        f"but rosbag already subscribed requesting {request}. "
-                        "Messages from this new publisher will not be recorded.",
+                        f"A new publisher of '{topic}' is not recorded: it offers {offer}, and "
+                        f"the subscription asks for {request} since its beginning",
                     )
 
     def _warn_once(self, subject: str, text: str) -> None:

@@ -1,29 +1,14 @@
-"""Entry point of ``ros2``: finds the group and verb, and calls it."""
+"""``ros2``: reads the command line, calls what it names, and tells how that ended."""
 
-import argparse
 import os
 import signal
 import sys
 from collections.abc import Sequence
+from pkgutil import resolve_name
 
-from rclpy.executors import ExternalShutdownException
-from ros2cli import bag, doctor, interface, node, param, pkg, run, service, topic
+from ros2cli.errors import CommandError, Terminated, one_line
 
 __all__ = ["main"]
-
-_GROUPS = (bag, doctor, interface, node, param, pkg, run, service, topic)
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="ros2", description="ros2 is an extensible command-line tool for ROS 2."
-    )
-    groups = parser.add_subparsers(
-        title="Commands", metavar="Call `ros2 <command> -h` for more detailed usage."
-    )
-    for group in _GROUPS:
-        group.add_commands(groups)
-    return parser
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -37,26 +22,44 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code. A command that a signal ends returns the number of the signal, as in Jazzy.
+        Exit code: 0, 1 for what could not be done, 2 for what cannot be typed. As in Jazzy a
+        signal that ends a command gives its number.
     """
-    parser = _parser()
-    arguments = parser.parse_args(argv)
-    if not hasattr(arguments, "main"):
-        # Like Jazzy's: `ros2` and `ros2 topic` alone explain themselves and succeed.
-        getattr(arguments, "parser", parser).print_help()
-        return 0
     try:
-        code: int | None = arguments.main(arguments)
+        code = _answer(argv)
+        # What is still in a buffer may find that its reader has gone: now, not at exit.
         sys.stdout.flush()
+        sys.stderr.flush()
+    except BrokenPipeError:
+        # Python flushes once more at exit, and would complain.
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(nowhere, stream.fileno())
+        return 1
+    return code
+
+
+def _answer(argv: Sequence[str] | None) -> int:
+    try:
+        # Imported here, so that Ctrl-C ends a command without a word from its beginning on.
+        from ros2cli.commands import COMMANDS
+        from ros2cli.grammar import build_parser
+
+        arguments = build_parser("ros2", "Talk to ROS 2 nodes.", COMMANDS).parse_args(argv)
+        call = arguments.call
+        if isinstance(call, str):
+            call = resolve_name(f"ros2cli.{call}")
+        return int(call(arguments) or 0)
     except KeyboardInterrupt:
         return signal.SIGINT
-    except ExternalShutdownException:
+    except Terminated:
         return signal.SIGTERM
-    except BrokenPipeError:
-        # The reader has gone; Python must not complain when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
-    except RuntimeError as error:
+    except SystemExit as end:
+        # argparse has told what was wrong, or has shown help.
+        return int(end.code or 0)
+    except CommandError as error:
         print(error, file=sys.stderr)
-        return 1
-    return code or 0
+    except RuntimeError as error:
+        # What rclpy refuses: an environment or a request that it cannot serve.
+        print(one_line(error), file=sys.stderr)
+    return 1

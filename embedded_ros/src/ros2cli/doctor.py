@@ -6,6 +6,7 @@ import platform
 import socket
 import sys
 import time
+from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import Any
@@ -14,68 +15,44 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from ros2cli.node_session import command_node, is_hidden
+from ros2cli.graph import is_hidden
+from ros2cli.node_session import command_node
 
-__all__ = ["add_commands"]
+__all__ = ["doctor"]
 
 _SKIPPED_TOPICS = ("/parameter_events", "/rosout")
 _ROUND_TRIP_S = 5.0
 _GRAPH_S = 0.5
 
+#: A title, and names with values.
 Report = tuple[str, list[tuple[str, Any]]]
+#: Errors and warnings.
+Findings = tuple[list[str], list[str]]
 
 
-def add_commands(groups: Any) -> None:
-    """Add the command to the parser."""
-    for name, description in (
-        ("doctor", "Check ROS setup and other potential issues"),
-        ("wtf", "Use `wtf` as alias to `doctor`"),
-    ):
-        parser = groups.add_parser(name, help=description)
-        group = parser.add_mutually_exclusive_group()
-        group.add_argument("-r", "--report", action="store_true", help="Print all reports")
-        group.add_argument(
-            "-rf", "--report-failed", action="store_true", help="Print reports of failed checks"
-        )
-        parser.add_argument(
-            "-iw", "--include-warnings", action="store_true", help="Warnings are failures"
-        )
-        parser.set_defaults(main=_doctor)
-
-
-def _doctor(arguments: argparse.Namespace) -> None:
-    reports = {
-        "runtime": _runtime_report,
-        "middleware": _middleware_report,
-        "network": _network_report,
-        "topic": _topic_report,
-    }
+def doctor(arguments: argparse.Namespace) -> None:
+    """``doctor`` and ``wtf``."""
     if arguments.report:
-        for report in reports.values():
+        for _, _, report in _EXAMINATIONS:
             _print(report())
         return
     failed = []
-    for category, check in (
-        ("runtime", _check_runtime),
-        ("network", _check_network),
-        ("middleware", _check_middleware),
-        ("topic", _check_topics),
-    ):
+    for name, check, report in _EXAMINATIONS:
         errors, warnings = check()
         for text in errors:
             print(f"ERROR: {text}", file=sys.stderr)
         for text in warnings:
             print(f"UserWarning: {text}", file=sys.stderr)
         if errors or (warnings and arguments.include_warnings):
-            failed.append(category)
+            failed.append((name, report))
     if failed:
-        print(f"\n{len(failed)}/4 check(s) failed\n")
-        print("Failed modules:", *failed)
+        print(f"\n{len(failed)}/{len(_EXAMINATIONS)} check(s) failed\n")
+        print("Failed modules:", *(name for name, _ in failed))
     else:
-        print("\nAll 4 checks passed\n")
+        print(f"\nAll {len(_EXAMINATIONS)} checks passed\n")
     if arguments.report_failed:
-        for category in failed:
-            _print(reports[category]())
+        for _, report in failed:
+            _print(report())
 
 
 def _print(report: Report) -> None:
@@ -112,7 +89,7 @@ def _runtime_report() -> Report:
     ]
 
 
-def _check_runtime() -> tuple[list[str], list[str]]:
+def _check_runtime() -> Findings:
     if _is_embedded() and os.environ.get("AMENT_PREFIX_PATH"):
         prefixes = os.environ["AMENT_PREFIX_PATH"]
         return [], [f"embedded_ros runs where a ROS 2 is sourced ({prefixes})."]
@@ -123,15 +100,13 @@ def _check_runtime() -> tuple[list[str], list[str]]:
 
 
 def _middleware_report() -> Report:
-    items: list[tuple[str, Any]] = [
-        ("middleware name", rclpy.get_rmw_implementation_identifier()),
-    ]
+    items: list[tuple[str, Any]] = [("middleware name", rclpy.get_rmw_implementation_identifier())]
     if _is_embedded():
         items.append(("transport", f"Cyclone DDS {_version('cyclonedds')} from PyPI"))
     return "RMW MIDDLEWARE", items
 
 
-def _check_middleware() -> tuple[list[str], list[str]]:
+def _check_middleware() -> Findings:
     """Send a message between two participants: discovery and data, over the real transport."""
     from std_msgs.msg import String
 
@@ -189,11 +164,13 @@ def _network_report() -> Report:
     ]
 
 
-def _check_network() -> tuple[list[str], list[str]]:
+def _check_network() -> Findings:
     names = [name for _, name in socket.if_nameindex()]
     if not any(name.startswith("lo") for name in names):
-        return ["No loopback IP address is found."], []
-    return [], [] if len(names) > 1 else ["Only loopback IP address is found."]
+        return ["There is no loopback interface: nodes of this machine do not meet."], []
+    return [], [] if len(names) > 1 else [
+        "There is only a loopback interface: no other machine is heard."
+    ]
 
 
 # ------------------------------------------------------------------ topics
@@ -219,11 +196,19 @@ def _topic_report() -> Report:
     return "TOPIC LIST", items
 
 
-def _check_topics() -> tuple[list[str], list[str]]:
+def _check_topics() -> Findings:
     warnings = []
     for name, publishers, subscriptions in _topic_counts():
         if publishers and not subscriptions:
-            warnings.append(f"Publisher without subscriber detected on {name}.")
+            warnings.append(f"{name} is published, and nobody subscribes.")
         elif subscriptions and not publishers:
-            warnings.append(f"Subscriber without publisher detected on {name}.")
+            warnings.append(f"{name} is subscribed, and nobody publishes.")
     return [], warnings
+
+
+_EXAMINATIONS: tuple[tuple[str, Callable[[], Findings], Callable[[], Report]], ...] = (
+    ("runtime", _check_runtime, _runtime_report),
+    ("middleware", _check_middleware, _middleware_report),
+    ("network", _check_network, _network_report),
+    ("topic", _check_topics, _topic_report),
+)

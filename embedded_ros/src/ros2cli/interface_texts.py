@@ -13,7 +13,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ros2cli.errors import CommandError
+from ros2cli.errors import CommandError, did_you_mean
 
 __all__ = ["definition_lines", "definition_with_dependencies", "interface_names", "nested_type"]
 
@@ -26,20 +26,29 @@ _SEPARATOR = "=" * 80
 
 def definition_lines(type_name: str) -> list[str]:
     """Lines of the definition of a type such as ``std_msgs/msg/String``."""
-    parts = type_name.split("/")
-    if len(parts) != 3:
-        raise CommandError(f"Invalid name '{type_name}'. Expected three parts separated by '/'")
-    package, kind, name = parts
+    package, kind, name = _parts(type_name)
     for prefix in _prefixes():
         path = prefix / "share" / package / kind / f"{name}.{kind}"
         if path.is_file():
             return [line.rstrip() for line in path.read_text(encoding="utf-8").splitlines()]
     lines = _embedded_definition(package, kind, name)
     if lines is None:
-        if package not in {known for kinds in ("msg", "srv") for known in interface_names(kinds)}:
-            raise CommandError(f"Unknown package '{package}'")
-        raise CommandError(f"Could not find the interface '{type_name}'")
+        raise CommandError(f"Unknown type '{type_name}'{did_you_mean(type_name, _type_names())}")
     return lines
+
+
+def _parts(type_name: str) -> list[str]:
+    parts = type_name.split("/")
+    if len(parts) == 3 and all(parts):
+        return parts
+    near = did_you_mean(type_name, _type_names())
+    raise CommandError(f"'{type_name}' is no type such as std_msgs/msg/String{near}")
+
+
+def _type_names() -> Iterator[str]:
+    for kind in ("msg", "srv", "action"):
+        for package, names in interface_names(kind).items():
+            yield from (f"{package}/{kind}/{name}" for name in names)
 
 
 def definition_with_dependencies(type_name: str) -> str:

@@ -1,118 +1,70 @@
 """``ros2 topic pub``: publish a message."""
 
 import argparse
+import math
 import time
-from typing import Any
 
 import rclpy
 from rclpy.duration import Duration
+from rclpy.node import Node
 from rclpy.publisher import Publisher
 from ros2cli.errors import CommandError
-from ros2cli.messages import fill, import_type, parse_values
-from ros2cli.node_session import command_node, full_topic_name, spin_for, spin_until
-from ros2cli.number_arguments import not_negative_float, not_negative_int, positive_float
-from ros2cli.qos_options import add_qos_arguments, profile_of_arguments
+from ros2cli.messages import import_type, message_of, parse_values
+from ros2cli.node_session import command_node, full_topic_name, listen, wait_until
+from ros2cli.qos import profile_of_arguments
 
-__all__ = ["add_verb"]
+__all__ = ["pub"]
 
-_REMIND_AFTER_S = 1.0
-
-
-def add_verb(verbs: Any) -> None:
-    """Add the verb to the parser."""
-    verb = verbs.add_parser("pub", help="Publish a message to a topic")
-    verb.add_argument("topic_name")
-    verb.add_argument("message_type", help="Type of the message (e.g. 'std_msgs/String')")
-    verb.add_argument("values", nargs="?", default="{}", help="Values of the fields, in YAML")
-    verb.add_argument(
-        "-r", "--rate", metavar="N", type=positive_float, default=1.0, help="Rate in Hz"
-    )
-    verb.add_argument(
-        "-p", "--print", metavar="N", type=int, default=1, help="Only print every N-th message"
-    )
-    group = verb.add_mutually_exclusive_group()
-    group.add_argument("-1", "--once", action="store_true", help="Publish one message and exit")
-    group.add_argument(
-        "-t", "--times", type=not_negative_int, default=0, help="Publish this often and exit"
-    )
-    verb.add_argument(
-        "-w",
-        "--wait-matching-subscriptions",
-        type=not_negative_int,
-        help="Wait for this many subscriptions (default: 1 with --once or --times, otherwise 0)",
-    )
-    verb.add_argument(
-        "--max-wait-time-secs", type=positive_float, help="Longest wait for subscriptions"
-    )
-    verb.add_argument(
-        "--keep-alive",
-        metavar="N",
-        type=not_negative_float,
-        default=0.1,
-        help="Keep the node alive for N seconds after the last message (default: %(default)s)",
-    )
-    verb.add_argument("-n", "--node-name", help="Name of the created publishing node")
-    verb.add_argument(
-        "-s", "--use-sim-time", action="store_true", help="Enable ROS simulation time"
-    )
-    add_qos_arguments(verb, "default")
-    verb.set_defaults(main=_pub)
+_REMIND_S = 1.0
+_ARRIVE = Duration(seconds=1)
 
 
-def _pub(arguments: argparse.Namespace) -> None:
-    message_class = import_type(arguments.message_type, "msg", "The passed message type is invalid")
-    values = parse_values(arguments.values)
-    times = 1 if arguments.once else arguments.times
-    wanted = arguments.wait_matching_subscriptions
-    wanted = int(times != 0) if wanted is None else wanted
-    if not wanted and arguments.max_wait_time_secs is not None:
+def pub(arguments: argparse.Namespace) -> None:
+    """``topic pub``."""
+    count = 1 if arguments.once else arguments.times
+    listeners = arguments.wait_matching_subscriptions
+    if listeners is None:
+        listeners = 1 if count else 0
+    longest = arguments.max_wait_time_secs
+    if longest is not None and not listeners:
         raise CommandError(
-            "--max-wait-time-secs option is only effective with "
-            "--wait-matching-subscriptions, --once or --times"
+            "--max-wait-time-secs: nothing is waited for; add --once, --times N or -w N"
         )
-    message = message_class()
-    stamps = fill(message, values)
+    kind = import_type(arguments.message_type, "msg")
+    message, stamps = message_of(kind, parse_values(arguments.values))
     with command_node(name=arguments.node_name, use_sim_time=arguments.use_sim_time) as node:
         topic = full_topic_name(node, arguments.topic_name)
-        profile, _ = profile_of_arguments(arguments)
-        publisher = node.create_publisher(message_class, topic, profile)
-        _wait_for_subscriptions(node, publisher, wanted, arguments.max_wait_time_secs)
+        publisher = node.create_publisher(kind, topic, profile_of_arguments(arguments)[0])
+        _wait_for_listeners(node, publisher, listeners, math.inf if longest is None else longest)
         print("publisher: beginning loop")
-        count = 0
+        sent = 0
 
-        def publish() -> None:
-            nonlocal count
+        def send() -> None:
+            nonlocal sent
+            sent += 1
             for stamp in stamps:
                 stamp(node.get_clock().now().to_msg())
-            count += 1
-            if arguments.print and count % arguments.print == 0:
-                print(f"publishing #{count}: {message!r}\n", flush=True)
+            if arguments.print and sent % arguments.print == 0:
+                print(f"publishing #{sent}: {message!r}\n", flush=True)
             publisher.publish(message)
 
-        publish()
-        timer = node.create_timer(1.0 / arguments.rate, publish)
-        while rclpy.ok() and (not times or count < times):
-            rclpy.spin_once(node)
+        send()
+        timer = node.create_timer(1.0 / arguments.rate, send)
+        wait_until(node, lambda: sent == count)
         node.destroy_timer(timer)
         # What was sent last must arrive before the publisher is gone.
-        spin_for(node, arguments.keep_alive)
-        publisher.wait_for_all_acked(Duration(seconds=1))
+        listen(node, arguments.keep_alive)
+        publisher.wait_for_all_acked(_ARRIVE)
 
 
-def _wait_for_subscriptions(
-    node: Any, publisher: Publisher, wanted: int, longest: float | None
-) -> None:
-    end = None if longest is None else time.monotonic() + longest
-
+def _wait_for_listeners(node: Node, publisher: Publisher, wanted: int, longest: float) -> None:
     def enough() -> bool:
         return publisher.get_subscription_count() >= wanted
 
+    deadline = time.monotonic() + longest
     while rclpy.ok() and not enough():
-        if end is not None and time.monotonic() >= end:
-            raise CommandError(
-                f"Timed out waiting for subscribers: Expected {wanted} subcribers "
-                f"but only got {publisher.get_subscription_count()} subscribers"
-            )
         print(f"Waiting for at least {wanted} matching subscription(s)...", flush=True)
-        left = _REMIND_AFTER_S if end is None else end - time.monotonic()
-        spin_until(node, enough, min(_REMIND_AFTER_S, left))
+        remaining = deadline - time.monotonic()
+        if not wait_until(node, enough, min(_REMIND_S, remaining)) and remaining <= _REMIND_S:
+            there = publisher.get_subscription_count()
+            raise CommandError(f"Only {there} of {wanted} subscriptions came in {longest:g} s")

@@ -1,41 +1,45 @@
 """The type of a topic, as its users know it."""
 
-import time
+import math
 from typing import Any
 
-import rclpy
 from rclpy.node import Node
-from ros2cli.errors import CommandError
+from ros2cli.errors import CommandError, did_you_mean
 from ros2cli.messages import import_type
-from ros2cli.node_session import full_topic_name
+from ros2cli.node_session import full_topic_name, wait_until
 
-__all__ = ["message_class_of_topic", "not_published_yet", "type_name_of_topic"]
-
-
-def not_published_yet(topic: str) -> str:
-    """What the user is told about a topic that nobody uses."""
-    return f"WARNING: topic [{topic}] does not appear to be published yet"
+__all__ = ["class_of_topic"]
 
 
-def type_name_of_topic(node: Node, topic: str, seconds: float) -> str | None:
-    """Name of the type of a topic; None if nobody uses it within a time (negative: for ever)."""
+def class_of_topic(node: Node, topic: str, seconds: float, *, patient: bool = False) -> Any:
+    """Message class of a topic.
+
+    Parameters
+    ----------
+    node : Node
+    topic : str
+        As it was typed.
+    seconds : float
+        How long somebody may take to use it, before that is told.
+    patient : bool
+        Whether to go on waiting then.
+
+    Raises
+    ------
+    CommandError
+        If nobody uses it, if users do not agree on its type, or if that is not installed.
+    """
     name = full_topic_name(node, topic)
-    end = time.monotonic() + seconds
-    while rclpy.ok():
-        types = dict(node.get_topic_names_and_types()).get(name, [])
-        if len(types) > 1:
-            raise CommandError(
-                f"Cannot echo topic '{topic}', as it contains more than one type: "
-                f"[{', '.join(types)}]"
-            )
-        if types:
-            return types[0]
-        if seconds >= 0 and end <= time.monotonic():
-            break
-        rclpy.spin_once(node, timeout_sec=0.02)
-    return None
 
+    def known() -> list[str]:
+        return dict(node.get_topic_names_and_types()).get(name, [])
 
-def message_class_of_topic(name: str) -> Any:
-    """Class of a message type that a topic has."""
-    return import_type(name, "msg", f"The message type '{name}' is invalid")
+    if not wait_until(node, known, seconds):
+        print(f"WARNING: topic [{topic}] does not appear to be published yet", flush=True)
+        if not patient or not wait_until(node, known, math.inf):
+            near = did_you_mean(name, dict(node.get_topic_names_and_types()))
+            raise CommandError(f"Nobody uses '{topic}', which would tell its type{near}")
+    single, *more = known()
+    if more:
+        raise CommandError(f"'{topic}' has several types: {', '.join([single, *more])}")
+    return import_type(single, "msg")

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-DEADLINE = 60.0
+DEADLINE = 180.0
 """Wall time [s] after which a condition counts as never met."""
 
 CONNECT = """
@@ -177,11 +177,11 @@ class Browser:
         """End the browser."""
         os.close(self._to_browser)
         try:
-            self._process.wait(timeout=10)
+            self._process.wait(timeout=60)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        self._reader.join(timeout=10)
+        self._reader.join(timeout=60)
         with contextlib.suppress(OSError):
             os.close(self._from_browser)
 

@@ -32,7 +32,7 @@ def test_the_topics_of_a_namespace_are_recorded_until_ctrl_c(ros, tmp_path):
             ros.spin_until(publisher.wait_for_all_acked)
             ros.spin_until(lambda: (bag / "bag_0.mcap").stat().st_size > 2000)
             os.kill(process.pid, signal.SIGINT)
-            output, _ = process.communicate(timeout=20)
+            output, _ = process.communicate(timeout=60)
         finally:
             process.kill()
     assert process.returncode == 0

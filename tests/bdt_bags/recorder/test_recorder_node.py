@@ -48,10 +48,13 @@ def test_what_is_published_stands_in_the_bag_byte_for_byte(ros, tmp_path, storag
     for message in sent:
         publisher[MEASUREMENT].publish(message)
     publisher[COMMAND].publish(motor_voltage(0, 12.0))
-    publisher[TELEMETRY].publish(sample_message(np.zeros((3, 3)), COLUMNS))
+    rows = np.zeros((3, 3))
+    rows[:, 0] = 1e-9 * np.array([17.0, 18.0, 19.0])
+    publisher[TELEMETRY].publish(sample_message(rows, COLUMNS))
     progress = []
     talker.create_subscription(TimeReference, PROGRESS.name, progress.append, qos_profile(PROGRESS))
-    ros.spin_until(lambda: len(progress) >= 2)
+    # Not before the last measurement is recorded.
+    ros.spin_until(lambda: progress and nanoseconds_from_stamp(progress[-1].header.stamp) == 19)
     recorder.destroy_node()
     with AnyReader([tmp_path / "bag"]) as reader:
         assert {connection.topic for connection in reader.connections} == {

@@ -15,7 +15,7 @@ from bdt_bags.writing.background_writer import COMMIT_PERIOD, BackgroundWriter
 from bdt_bags.writing.bag_files import BagFiles
 from bdt_bags.writing.topic_metadata import BagWriteError, topic_metadata
 
-DEADLINE = 20.0
+DEADLINE = 60.0
 LIMIT = 300_000
 STORAGES = ["mcap", "sqlite3"]
 

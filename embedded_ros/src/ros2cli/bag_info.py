@@ -1,4 +1,4 @@
-"""``ros2 bag``: record, inspect and play bags."""
+"""``ros2 bag info``: what a bag holds."""
 
 import argparse
 import datetime as dt
@@ -7,62 +7,51 @@ from typing import Any
 
 import yaml
 
-from ros2cli import bag_play, bag_record
-from ros2cli.bag_reading import add_bag_arguments, open_bag
-from ros2cli.node_session import add_group
+from ros2cli.bag_reading import open_bag
 
-__all__ = ["add_commands"]
+__all__ = ["info"]
 
 _NANOSECONDS = 1_000_000_000
 _FIRST_COLUMN = 19
 
 
-def add_commands(groups: Any) -> None:
-    """Add the command to the parser."""
-    verbs = add_group(groups, "bag", "Various rosbag related sub-commands")
-    verb = verbs.add_parser("info", help="Print information about a bag to the screen")
-    add_bag_arguments(verb)
-    verb.add_argument("-t", "--topic-name", action="store_true", help="Only display topic names")
-    verb.set_defaults(main=_info)
-    bag_play.add_verb(verbs)
-    bag_record.add_verb(verbs)
-
-
-def _info(arguments: argparse.Namespace) -> None:
+def info(arguments: argparse.Namespace) -> None:
+    """``bag info``."""
     path = Path(arguments.bag_path)
     with open_bag(path, arguments.storage) as reader:
         if arguments.topic_name:
             for connection in reader.connections:
                 print(connection.topic)
             return
-        files, storage = _files(path)
-        # A bag without messages starts at the end of time, as in Jazzy.
-        start, duration = reader.start_time, max(reader.duration - 1, 0)
-        rows = [
-            ("Files:", files or [""]),
-            ("Bag size:", [_size_text(_size(path))]),
-            ("Storage id:", [storage]),
-            ("ROS Distro:", [reader.ros_distro or "unknown"]),
-            ("Duration:", [f"{_seconds_text(duration)}s"]),
-            ("Start:", [_time_text(start)]),
-            ("End:", [_time_text(start + duration)]),
-            ("Messages:", [str(reader.message_count)]),
-            (
-                "Topic information:",
-                [
-                    f"Topic: {connection.topic} | Type: {connection.msgtype} | "
-                    f"Count: {connection.msgcount} | "
-                    f"Serialization Format: {connection.ext.serialization_format}"
-                    for connection in reader.connections
-                ]
-                or [""],
-            ),
-        ]
+        rows = _rows(path, reader)
     print()
     for title, lines in rows:
-        print(f"{title:<{_FIRST_COLUMN}}" + f"\n{'':{_FIRST_COLUMN}}".join(lines))
+        print(f"{title:<{_FIRST_COLUMN}}" + f"\n{'':{_FIRST_COLUMN}}".join(lines or [""]))
     # Service events are recorded with service introspection, which rclpy here does not have.
     print(f"{'Service:':<{_FIRST_COLUMN}}0\nService information: ")
+
+
+def _rows(path: Path, reader: Any) -> list[tuple[str, list[str]]]:
+    """Titles, and the lines beside each."""
+    files, storage = _files(path)
+    # A bag without messages starts at the end of time, as in Jazzy.
+    start, duration = reader.start_time, max(reader.duration - 1, 0)
+    topics = [
+        f"Topic: {each.topic} | Type: {each.msgtype} | Count: {each.msgcount} | "
+        f"Serialization Format: {each.ext.serialization_format}"
+        for each in reader.connections
+    ]
+    return [
+        ("Files:", files),
+        ("Bag size:", [_size_text(_size(path))]),
+        ("Storage id:", [storage]),
+        ("ROS Distro:", [reader.ros_distro or "unknown"]),
+        ("Duration:", [f"{_seconds_text(duration)}s"]),
+        ("Start:", [_time_text(start)]),
+        ("End:", [_time_text(start + duration)]),
+        ("Messages:", [str(reader.message_count)]),
+        ("Topic information:", topics),
+    ]
 
 
 def _files(path: Path) -> tuple[list[str], str]:
