@@ -40,7 +40,7 @@ check: setup
 	$(BIN)/ruff check $(SOURCES)
 	$(BIN)/ruff format --check $(SOURCES)
 	$(BIN)/mypy
-	$(BIN)/lint-imports --no-logo --no-cache
+	PYTHONPATH=embedded_ros/src $(BIN)/lint-imports --no-logo --no-cache
 	$(BIN)/python -m checks.check_dependencies
 	$(BIN)/python -m checks.package_versions
 

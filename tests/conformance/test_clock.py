@@ -150,3 +150,17 @@ def test_sleeping_ends_when_the_source_of_time_changes(ros):
     clock._set_ros_time_is_active(False)
     thread.join(20)
     assert result == [False]
+
+
+def test_a_change_of_the_source_is_a_jump_by_nothing():
+    clock, jumps = ROSClock(), []
+    clock.set_ros_time_override(Time(seconds=5, clock_type=ClockType.ROS_TIME))
+    threshold = JumpThreshold(min_forward=None, min_backward=None)
+    with clock.create_jump_callback(threshold, post_callback=jumps.append):
+        clock._set_ros_time_is_active(True)
+        clock._set_ros_time_is_active(True)
+        clock._set_ros_time_is_active(False)
+    assert [(jump.clock_change, jump.delta) for jump in jumps] == [
+        (ClockChange.ROS_TIME_ACTIVATED, Duration()),
+        (ClockChange.ROS_TIME_DEACTIVATED, Duration()),
+    ]

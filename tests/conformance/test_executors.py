@@ -4,10 +4,15 @@ import threading
 import time
 
 import pytest
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.executors import (
+    ConditionReachedException,
+    Executor,
     ExternalShutdownException,
     MultiThreadedExecutor,
+    ShutdownException,
     SingleThreadedExecutor,
+    TimeoutException,
 )
 from rclpy.node import Node
 from rclpy.task import Future
@@ -73,6 +78,38 @@ def test_spin_until_a_future_is_done_in_another_thread(ros, node):
     never = Future()
     ros.executor.spin_until_future_complete(never, 0.01)
     assert not never.done()
+
+
+@pytest.mark.parametrize("executor_class", [SingleThreadedExecutor, MultiThreadedExecutor])
+def test_one_spin_ends_when_another_thread_completes_the_future(ros, executor_class):
+    kwargs = {"num_threads": 2} if executor_class is MultiThreadedExecutor else {}
+    executor = executor_class(context=ros.context, **kwargs)
+    node = Node("n", context=ros.context)
+    executor.add_node(node)
+    done, failed = Future(), Future()
+    timers = [
+        threading.Timer(0.05, done.set_result, [1]),
+        threading.Timer(0.05, failed.set_exception, [ValueError("boom")]),
+    ]
+    for timer, future in zip(timers, (done, failed), strict=True):
+        timer.start()
+        start = time.monotonic()
+        executor.spin_once_until_future_complete(future, 60)
+        assert future.done()
+        assert time.monotonic() - start < 30
+        timer.join()
+    assert isinstance(failed.exception(), ValueError)
+    executor.shutdown()
+    node.destroy_node()
+
+
+def test_a_cancelled_future_is_waited_for_until_the_time_is_over(ros, node):
+    future = Future()
+    threading.Timer(0.01, future.cancel).start()
+    start = time.monotonic()
+    ros.executor.spin_until_future_complete(future, 0.2)
+    assert time.monotonic() - start > 0.19
+    assert future.cancelled()
 
 
 def test_a_new_entity_wakes_an_executor_that_waits(ros, node):
@@ -168,6 +205,92 @@ def test_entities_are_served_by_kind(ros, node):
     timer = node.create_timer(0.0, lambda: (order.append("timer"), timer.cancel()))
     ros.spin_until(lambda: len(order) == 3)
     assert order == ["timer", "subscription", "guard condition"]
+
+
+def test_entities_of_a_kind_are_served_in_the_order_of_their_creation(ros, node):
+    count, order = 20, []
+    publishers = [node.create_publisher(Float64, f"x{i}", 1) for i in range(count)]
+    guards = []
+    for i in range(count):
+        node.create_subscription(Float64, f"x{i}", lambda _, i=i: order.append(("message", i)), 1)
+        guards.append(node.create_guard_condition(lambda i=i: order.append(("trigger", i))))
+    ros.spin_for(0.02)
+    for _ in range(3):
+        order.clear()
+        for i in reversed(range(count)):
+            publishers[i].publish(Float64())
+            guards[i].trigger()
+        ros.spin_until(lambda: len(order) == 2 * count)
+        assert [i for kind, i in order if kind == "message"] == list(range(count))
+        assert [i for kind, i in order if kind == "trigger"] == list(range(count))
+
+
+def test_who_is_always_ready_lets_the_others_have_their_turn(ros, node):
+    # Each serves itself again. With a depth of one there is always just one message.
+    counts = [0] * 4
+    publishers = [node.create_publisher(Float64, f"x{i}", 1) for i in range(len(counts))]
+
+    def again(i):
+        counts[i] += 1
+        publishers[i].publish(Float64())
+
+    for i, publisher in enumerate(publishers):
+        node.create_subscription(Float64, f"x{i}", lambda _, i=i: again(i), 1)
+        publisher.publish(Float64())
+    ros.spin_until(lambda: sum(counts) >= 200)
+    assert max(counts) - min(counts) <= 2
+
+
+def test_events_come_before_messages(ros, node):
+    order = []
+    callbacks = SubscriptionEventCallbacks(matched=lambda _: order.append("event"))
+    publisher = node.create_publisher(Float64, "x", 1)
+    node.create_subscription(
+        Float64, "x", lambda _: order.append("message"), 1, event_callbacks=callbacks
+    )
+    publisher.publish(Float64())
+    ros.spin_until(lambda: len(order) == 2)
+    assert order == ["event", "message"]
+
+
+def test_an_executor_of_ones_own_decides_where_callbacks_run(ros):
+    class Sorting(Executor):
+        def __init__(self):
+            super().__init__(context=ros.context)
+            self.served = []
+
+        def spin_once(self, timeout_sec=None):
+            try:
+                handler, entity, node = self.wait_for_ready_callbacks(timeout_sec=timeout_sec)
+            except TimeoutException:
+                return
+            handler()
+            self.served.append((entity, node))
+            if handler.exception() is not None:
+                raise handler.exception()
+
+    executor, node, calls = Sorting(), Node("n", context=ros.context), []
+    executor.add_node(node)
+    guard = node.create_guard_condition(lambda: calls.append(1))
+    guard.trigger()
+    executor.spin_once(timeout_sec=20)
+    assert calls == [1]
+    assert executor.served == [(guard, node)]
+    executor.spin_once(timeout_sec=0.01)
+    assert calls == [1]
+    assert executor.can_execute(guard)
+    node.create_guard_condition(boom).trigger()
+    with pytest.raises(ValueError, match="boom"):
+        executor.spin_once(timeout_sec=20)
+    executor.shutdown()
+    with pytest.raises(ShutdownException):
+        executor.wait_for_ready_callbacks(timeout_sec=1)
+    node.destroy_node()
+
+
+def test_a_wait_ends_when_its_condition_holds(ros, node):
+    with pytest.raises(ConditionReachedException):
+        ros.executor.wait_for_ready_callbacks(timeout_sec=20, condition=lambda: True)
 
 
 def test_a_guard_condition_triggered_twice_calls_once(ros, node):

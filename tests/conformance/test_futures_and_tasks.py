@@ -126,6 +126,37 @@ def test_a_cancelled_task_does_not_run(ros, node):
     assert not task.done()
 
 
+def test_a_cancelled_task_that_an_executor_has_runs_all_the_same(ros, node):
+    calls = []
+
+    async def coroutine():
+        calls.append("coroutine")
+
+    for work in (lambda: calls.append("function"), coroutine):
+        task = ros.executor.create_task(work)
+        task.cancel()
+        ros.spin_until(task.done)
+        assert not task.cancelled()
+    assert calls == ["function", "coroutine"]
+
+
+def test_a_function_may_fail_with_what_ends_coroutines():
+    def end():
+        raise StopIteration(4)
+
+    task = Task(end)
+    task()
+    assert isinstance(task.exception(), StopIteration)
+
+
+def test_an_exception_outlives_a_result():
+    future = Future()
+    future.set_exception(ValueError("boom"))
+    future.set_result(1)
+    with pytest.raises(ValueError, match="boom"):
+        future.result()
+
+
 def test_coroutines_await_each_other(ros, node):
     async def inner(value):
         return value + 1

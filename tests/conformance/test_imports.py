@@ -1,5 +1,6 @@
 """Which modules a program finds as ``rclpy.something`` that imported nothing but ``rclpy``."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -7,7 +8,11 @@ import sys
 import pytest
 import rclpy
 from rclpy.context import Context
-from rclpy.event_handler import IncompatibleTypeInfo, UnsupportedEventTypeError
+from rclpy.event_handler import (
+    IncompatibleTypeInfo,
+    SubscriptionEventCallbacks,
+    UnsupportedEventTypeError,
+)
 from rclpy.parameter import Parameter
 from rclpy.task import Future
 from rclpy.utilities import get_available_rmw_implementations
@@ -75,6 +80,39 @@ def test_some_classes_are_names_of_rclpy_itself():
     assert rclpy.Parameter is Parameter
     with pytest.raises(AttributeError, match="module 'rclpy' has no attribute 'Executor'"):
         rclpy.Executor  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("module", "names"),
+    [
+        (
+            "rclpy.node",
+            """
+            CallbackGroup Client Clock Context Executor GuardCondition InvalidHandle
+            MutuallyExclusiveCallbackGroup NodeNameNonExistentError NotInitializedException
+            PARAMETER_SEPARATOR_STRING Parameter ParameterDescriptor ParameterMsg
+            ParameterNotDeclaredException Publisher QoSOverridingOptions QoSProfile ROSClock
+            Rate ReentrantCallbackGroup S_TO_NS Service SetParametersResult Subscription
+            TimeSource Timer TopicEndpointInfo check_is_valid_msg_type expand_topic_name
+            get_default_context get_logger qos_profile_services_default validate_topic_name
+            """,
+        ),
+        ("rclpy.executors", "Client ClockType GuardCondition Task Timer timeout_sec_to_nsec"),
+        ("rclpy.qos", "Duration QoSPolicyEnum"),
+        ("rclpy.time", "ClockType Duration S_TO_NS"),
+        ("rclpy.qos_overriding_options", "QosCallbackResult"),
+    ],
+)
+def test_names_that_a_module_only_uses_are_found_there_too(module, names):
+    place = importlib.import_module(module)
+    assert [name for name in names.split() if not hasattr(place, name)] == []
+
+
+def test_the_former_name_of_a_module_warns():
+    sys.modules.pop("rclpy.qos_event", None)
+    with pytest.warns(UserWarning, match="importing 'qos_event' is deprecated"):
+        former = importlib.import_module("rclpy.qos_event")
+    assert former.SubscriptionEventCallbacks is SubscriptionEventCallbacks
 
 
 def test_what_only_other_middleware_uses_is_there():

@@ -65,6 +65,8 @@ def test_expansion_in_the_root_namespace():
         (validate_topic_name, "", InvalidTopicNameException, "must not be empty string"),
         (validate_topic_name, "a/", InvalidTopicNameException, "must not end with a forward slash"),
         (validate_topic_name, "a~", InvalidTopicNameException, "tilde '~' unless"),
+        (validate_topic_name, "~ab", InvalidTopicNameException, "not followed by a forward slash"),
+        (validate_topic_name, "~{node}", InvalidTopicNameException, "not followed by a forward"),
         (validate_topic_name, "{x", InvalidTopicNameException, "unmatched"),
         (validate_topic_name, "{1x}", InvalidTopicNameException, "must not start with a number"),
         (validate_full_topic_name, "a", InvalidTopicNameException, "must be absolute"),
@@ -76,10 +78,23 @@ def test_invalid_names(validate, name, error, text):
         validate(name)
 
 
-def test_the_error_points_at_the_character():
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [
+        ("a b", 1),
+        ("{a", 0),
+        ("a/1", 2),
+        ("a~", 1),
+        ("~ab/1", 1),
+        ("a/", 1),
+        ("\u00e9/", 2),
+        ("{1}", 1),
+    ],
+)
+def test_the_error_points_at_the_character(name, place):
     with pytest.raises(InvalidTopicNameException) as error:
-        validate_topic_name("a b")
-    assert str(error.value).splitlines()[1:] == ["  'a b'", "    ^"]
+        validate_topic_name(name)
+    assert str(error.value).splitlines()[1:] == [f"  '{name}'", f"   {' ' * place}^"]
 
 
 def test_a_service_name_has_an_error_of_its_own():

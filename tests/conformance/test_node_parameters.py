@@ -1,10 +1,12 @@
 """Parameters of a node; texts are those of rclpy 7.1.3."""
 
 import pytest
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor, ParameterValue
 from rclpy.exceptions import (
+    InvalidHandle,
     InvalidParameterException,
     InvalidParameterTypeException,
+    InvalidParameterValueException,
     ParameterAlreadyDeclaredException,
     ParameterImmutableException,
     ParameterNotDeclaredException,
@@ -205,3 +207,60 @@ def test_listing_checks_its_arguments(node):
     ):
         with pytest.raises(error):
             node.list_parameters(prefixes, depth)
+
+
+def test_names_may_begin_with_a_dot(node):
+    node.declare_parameters("", [(".f", 1), ("c..d", 1), ("e.", 1)])
+    found = node.list_parameters([], 0)
+    assert found.prefixes == ["", "c.", "e"]
+    assert node.list_parameters([""], 0).names == [".f"]
+    assert node.list_parameters(["c"], 1).names == []
+    assert node.list_parameters(["c"], 2).names == ["c..d"]
+
+
+def test_what_went_before_an_error_stays_declared(node):
+    small = ParameterDescriptor(integer_range=[IntegerRange(from_value=0, to_value=3)])
+    with pytest.raises(InvalidParameterValueException):
+        node.declare_parameters("", [("a", 1), ("b", 5, small), ("c", 1)])
+    assert [node.has_parameter(name) for name in "abc"] == [True, False, False]
+    with pytest.raises(TypeError):
+        node.declare_parameters("", [("d", 1), (5, 1)])
+    assert not node.has_parameter("d")
+    with pytest.raises(ParameterAlreadyDeclaredException, match=r"\['a', 'use_sim_time'\]"):
+        node.declare_parameters("", [("e", 1), ("a", 1), ("use_sim_time", True)])
+    assert not node.has_parameter("e")
+
+
+def test_parameters_that_share_a_descriptor_share_its_name_and_type(node):
+    shared = ParameterDescriptor(description="both")
+    node.declare_parameter("a", 1, shared)
+    node.declare_parameter("b", "x", shared)
+    assert node.describe_parameter("a") is shared
+    assert (shared.name, shared.type) == ("b", Parameter.Type.STRING.value)
+    assert not set_one(node, "a", 2).successful
+
+
+def test_of_two_declarations_of_a_name_the_second_counts(node):
+    declared = node.declare_parameters("", [("a", 1), ("a", 2)])
+    assert [parameter.value for parameter in declared] == [2, 2]
+
+
+def test_a_destroyed_node_keeps_its_parameters_as_they_are(ros):
+    node = Node("n", context=ros.context)
+    node.declare_parameter("p", 1)
+    node.destroy_node()
+    assert node.get_parameter("p").value == 1
+    with pytest.raises(InvalidHandle):
+        set_one(node, "p", 2)
+    with pytest.raises(InvalidHandle):
+        node.declare_parameter("q", 1)
+
+
+def test_a_descriptor_is_replaced_without_a_word(node):
+    node.declare_parameter("p", 5)
+    node.add_on_set_parameters_callback(lambda _: pytest.fail("asked"))
+    alternative = ParameterValue(type=2, integer_value=2)
+    small = ParameterDescriptor(type=2, integer_range=[IntegerRange(from_value=0, to_value=3)])
+    assert node.set_descriptor("p", small, alternative).integer_value == 2
+    with pytest.raises(InvalidParameterValueException, match=r"expected 'Type\.NOT_SET'"):
+        node.set_descriptor("p", ParameterDescriptor())

@@ -116,3 +116,71 @@ def test_what_a_callback_raises_comes_out(node):
     with pytest.raises(ValueError, match="boom"):
         set_one(node, "p", 2)
     assert node.get_parameter("p").value == 1
+
+
+def test_callbacks_before_all_get_what_was_asked_for(node):
+    node.declare_parameters("", [("a", 1), ("b", 1)])
+    seen = []
+
+    def add_b(parameters):
+        seen.append(("first", [parameter.value for parameter in parameters]))
+        return [*parameters, Parameter("b", value=5)]
+
+    def add_one(parameters):
+        seen.append(("second", [parameter.value for parameter in parameters]))
+        return [Parameter(parameter.name, value=parameter.value + 1) for parameter in parameters]
+
+    node.add_pre_set_parameters_callback(add_b)
+    node.add_pre_set_parameters_callback(add_one)
+    assert set_one(node, "a", 2).successful
+    assert seen == [("second", [2]), ("first", [2])]
+    assert [node.get_parameter(name).value for name in "ab"] == [2, 5]
+
+
+def test_callbacks_before_are_not_asked_of_a_declaration(node):
+    node.add_pre_set_parameters_callback(lambda _: [])
+    assert node.declare_parameter("p", 1).value == 1
+
+
+def test_a_callback_before_may_put_a_declared_name_for_another(node):
+    node.declare_parameter("p", 1)
+    node.add_pre_set_parameters_callback(lambda _: [Parameter("p", value=9)])
+    assert set_one(node, "undeclared", 1).successful
+    assert node.get_parameter("p").value == 9
+
+
+def test_callbacks_on_set_see_the_old_value_and_those_after_the_new_one(node):
+    node.declare_parameter("p", 1)
+    seen = []
+
+    def judge(_):
+        seen.append(node.get_parameter("p").value)
+        return SetParametersResult(successful=True, reason="not told")
+
+    node.add_on_set_parameters_callback(judge)
+    node.add_post_set_parameters_callback(lambda _: seen.append(node.get_parameter("p").value))
+    assert set_one(node, "p", 2).reason == ""
+    assert seen == [1, 2]
+
+
+def test_a_callback_may_be_added_twice(node):
+    node.declare_parameter("p", 1)
+    calls = []
+    for _ in range(2):
+        node.add_post_set_parameters_callback(calls.append)
+    set_one(node, "p", 2)
+    node.remove_post_set_parameters_callback(calls.append)
+    set_one(node, "p", 3)
+    assert len(calls) == 3
+
+
+def test_what_a_callback_after_raises_comes_out_and_the_value_stays(node):
+    node.declare_parameter("p", 1)
+
+    def boom(_):
+        raise ValueError("boom")
+
+    node.add_post_set_parameters_callback(boom)
+    with pytest.raises(ValueError, match="boom"):
+        set_one(node, "p", 2)
+    assert node.get_parameter("p").value == 2

@@ -3,6 +3,7 @@
 import pytest
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.duration import Duration
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.parameter import Parameter
 from rclpy.qos import (
     DurabilityPolicy,
@@ -10,8 +11,13 @@ from rclpy.qos import (
     QoSPolicyKind,
     QoSProfile,
     ReliabilityPolicy,
+    qos_profile_unknown,
 )
-from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
+from rclpy.qos_overriding_options import (
+    InvalidQosOverridesError,
+    QosCallbackResult,
+    QoSOverridingOptions,
+)
 from std_msgs.msg import Float64
 
 DEFAULTS = QoSOverridingOptions.with_default_policies()
@@ -84,3 +90,32 @@ def test_a_callback_decides(node):
     with pytest.raises(InvalidQosOverridesError, match="too deep"):
         node.create_publisher(Float64, "x", 1, qos_overriding_options=options)
     node.create_publisher(Float64, "y", 1, qos_overriding_options=options)
+
+
+def test_policies_are_read_in_any_case_and_described(ros):
+    name = "qos_overrides./x.publisher_one.reliability"
+    node = ros.node("n", parameter_overrides=[Parameter(name, value="BEST_EFFORT")])
+    options = QoSOverridingOptions([QoSPolicyKind.RELIABILITY], entity_id="one")
+    publisher = node.create_publisher(Float64, "x", 1, qos_overriding_options=options)
+    assert publisher.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
+    description = node.describe_parameter(name).description
+    assert description == "reliability for publisher `/x` with id `one`"
+
+
+def test_a_policy_that_nobody_knows_is_no_default(node):
+    options = QoSOverridingOptions([QoSPolicyKind.HISTORY])
+    with pytest.raises(ValueError, match="QoS profile is invalid"):
+        node.create_publisher(Float64, "y", qos_profile_unknown, qos_overriding_options=options)
+
+
+def test_an_override_of_another_type_is_an_error(ros):
+    overrides = [Parameter("qos_overrides./x.publisher.depth", value="deep")]
+    node = ros.node("n", parameter_overrides=overrides)
+    with pytest.raises(InvalidParameterTypeException):
+        node.create_publisher(Float64, "x", 1, qos_overriding_options=DEFAULTS)
+
+
+def test_options_stay_as_they_are():
+    with pytest.raises(AttributeError):
+        DEFAULTS.entity_id = "two"
+    assert QosCallbackResult is SetParametersResult

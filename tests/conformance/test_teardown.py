@@ -202,3 +202,27 @@ def test_many_contexts_leave_no_files_open():
         life()
     # Not even one file a context.
     assert len(os.listdir("/proc/self/fd")) < before + 10  # noqa: PTH208 - one number
+
+
+def test_a_destroyed_node_has_no_name(ros):
+    node = ros.node("n")
+    timer = node.create_timer(1.0, print)
+    node.destroy_node()
+    for ask in (
+        node.get_name,
+        node.get_namespace,
+        node.get_fully_qualified_name,
+        node.get_node_names,
+        lambda: node.resolve_topic_name("x"),
+        lambda: node.create_publisher(Float64, "x", 1),
+        timer.is_ready,
+    ):
+        with pytest.raises(InvalidHandle):
+            ask()
+    assert node.get_logger().name == "n"
+    assert timer.handle is not None
+
+
+def test_only_what_a_node_has_is_destroyed_by_it(node):
+    for what in ("publisher", "subscription", "client", "service", "timer", "guard_condition"):
+        assert not getattr(node, f"destroy_{what}")(5)

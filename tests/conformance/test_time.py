@@ -115,3 +115,8 @@ def test_times_are_not_hashable():
     for value in (Time(), Duration()):
         with pytest.raises(TypeError, match="unhashable"):
             hash(value)
+
+
+@pytest.mark.parametrize("value", [Time(seconds=1), Duration(seconds=-1)])
+def test_classes_say_where_programs_find_them(value):
+    assert type(value).__module__ == f"rclpy.{type(value).__name__.lower()}"

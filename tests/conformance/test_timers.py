@@ -6,9 +6,10 @@ import time
 import pytest
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock, ClockType, ROSClock
 from rclpy.exceptions import InvalidHandle, ROSInterruptException
 from rclpy.executors import ExternalShutdownException
+from rclpy.time import Time
 
 SECOND = 10**9
 
@@ -178,6 +179,27 @@ def test_a_rate_sleeps_in_step(spinning):
     assert spinning.destroy_rate(rate)
     with pytest.raises((RuntimeError, InvalidHandle)):
         rate.sleep()
+
+
+def test_a_call_that_nobody_slept_for_ends_the_next_sleep_at_once(ros, spinning):
+    clock, calls = ROSClock(), []
+    clock._set_ros_time_is_active(True)
+    clock.set_ros_time_override(Time(seconds=10, clock_type=ClockType.ROS_TIME))
+    rate = spinning.create_rate(1.0, clock)
+    # Made later, so it is called after the timer of the rate.
+    spinning.create_timer(1.0, lambda: calls.append(1), clock=clock)
+    clock.set_ros_time_override(Time(seconds=11.5, clock_type=ClockType.ROS_TIME))
+    ros.wait_until(lambda: calls)
+    sleeps = [threading.Thread(target=rate.sleep, daemon=True) for _ in range(2)]
+    sleeps[0].start()
+    sleeps[0].join(20)
+    assert not sleeps[0].is_alive()
+    sleeps[1].start()
+    sleeps[1].join(0.05)
+    assert sleeps[1].is_alive()
+    spinning.destroy_rate(rate)
+    sleeps[1].join(20)
+    assert not sleeps[1].is_alive()
 
 
 def test_a_rate_is_interrupted_by_shutdown(ros, spinning):

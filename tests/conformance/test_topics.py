@@ -263,3 +263,10 @@ def test_a_depth_is_a_profile(node):
     assert profile.reliability == ReliabilityPolicy.RELIABLE
     assert profile.durability == DurabilityPolicy.VOLATILE
     assert profile.history == HistoryPolicy.KEEP_LAST
+
+
+@pytest.mark.parametrize("callback", [None, 5, lambda: None, lambda _a, _b, _c: None])
+def test_what_no_message_can_be_given_to_is_no_callback(node, callback):
+    with pytest.raises(RuntimeError, match="callback should be either be callable"):
+        node.create_subscription(Float64, "x", callback, 1)
+    assert node.count_subscribers("x") == 0

@@ -46,14 +46,14 @@ def test_not_a_number_is_a_number():
     assert str(parameters("-p", "a:=.nan")["a"]) == "nan"
 
 
-def test_an_empty_list_is_dropped_as_its_type_is_unknown():
-    assert parameters("-p", "a:=[]") == {}
+def test_an_empty_list_is_no_value_as_its_type_is_unknown():
+    assert parameters("-p", "a:=[]") == {"a": None}
 
 
 def test_rules_for_a_node_are_for_that_node():
-    rules = ("-p", "n:a:=1", "-p", "other:b:=2", "-p", "c:=3", "-p", "/ns/n:d:=4")
+    rules = ("-p", "n:a:=1", "-p", "other:b:=2", "-p", "c:=3")
     assert parameters(*rules, namespace="/") == {"a": 1, "c": 3}
-    assert parameters(*rules) == {"c": 3, "d": 4}
+    assert parameters(*rules) == {"c": 3}
 
 
 def test_the_last_rule_wins():
@@ -106,6 +106,9 @@ def test_a_rule_after_a_file_overrides_it(tmp_path):
         ("n: {a: 1}", "'a' stands outside of 'ros__parameters'"),
         ("a: [", "is not YAML"),
         ("- a", "must be a mapping"),
+        ("/**: {ros__parameters: {a: &x 1, b: *x}}", "an alias has no meaning"),
+        ("/ns/n*: {ros__parameters: {a: 1}}", "'/ns/n*' names no node"),
+        ("ns: {/n: {ros__parameters: {a: 1}}}", "'/n' names no node"),
     ],
 )
 def test_a_bad_file_is_named_with_the_reason(tmp_path, content, text):
@@ -126,6 +129,10 @@ def test_a_bad_file_is_named_with_the_reason(tmp_path, content, text):
         ["-p", "1e:=3"],
         ["-p", "a:="],
         ["-p", "a:={b: 1}"],
+        ["-p", "/ns/n:a:=1"],
+        ["-p", "*:a:=1"],
+        ["-p", "a..b:=1"],
+        ["-p", "__a:=1"],
         ["-r", "x"],
         ["-r", "a:=b c"],
         ["-r", "__ns:=relative"],

@@ -91,7 +91,7 @@ def test_topic_type_and_user_data_of_endpoints(ros):
     node.create_client(SetBool, "c")
     found = {
         endpoint.topic: (endpoint.dds_type, endpoint.qos[Policy.Userdata].data.decode())
-        for endpoint in node._session.graph.writers(with_qos=True)
+        for endpoint in node.context.handle.graph.writers(with_qos=True)
     }
     dds_type, data = found["rt/x"]
     assert dds_type == "std_msgs::msg::dds_::Float64_"
@@ -122,7 +122,7 @@ def test_ros_discovery_info_is_what_rmw_reads(ros):
     samples = []
     ros.spin_until(lambda: samples.extend(ddspy_take(reader._ref, 0x7F, 10)) or samples)
     info = Info.deserialize(samples[-1][0])
-    assert bytes(info.gid.data) == node._session.guid
+    assert bytes(info.gid.data) == node.context.handle.guid
     (entry,) = [item for item in info.node_entities_info_seq if item.node_name == "n"]
     assert entry.node_namespace == "/"
     guids = [bytes(gid.data) for gid in entry.writer_gid_seq]
@@ -142,12 +142,12 @@ def test_payloads_are_those_of_the_true_type():
 
 def test_replies_to_other_clients_are_ignored(ros):
     node = ros.create(Node, "n")
-    ports = ClientPorts(node._session, "std_srvs/srv/SetBool", "/s", qos_profile_default)
+    ports = ClientPorts(node.context.handle, "std_srvs/srv/SetBool", "/s", qos_profile_default)
     from embedded_ros.endpoints import Writer
 
     writer = Writer(
-        node._session.participant,
-        node._session.publisher,
+        node.context.handle.participant,
+        node.context.handle.publisher,
         "rr/sReply",
         "std_srvs/srv/SetBool_Response",
         to_dds(qos_profile_default, ""),

@@ -3,14 +3,12 @@
 import copy
 from collections.abc import Sequence
 
-from rclpy.duration import Duration, Infinite
-from rclpy.qos import (
+from embedded_ros.duration import Duration, Infinite
+from embedded_ros.qos_policies import DurabilityPolicy, LivelinessPolicy, ReliabilityPolicy
+from embedded_ros.qos_profile import (
     DeadlineBestAvailable,
-    DurabilityPolicy,
     LivelinessLeaseDurationeBestAvailable,
-    LivelinessPolicy,
     QoSProfile,
-    ReliabilityPolicy,
 )
 
 __all__ = ["for_publisher", "for_service", "for_subscription", "is_open"]

@@ -4,14 +4,14 @@ from typing import Any
 
 from cyclonedds.core import Policy, Qos
 
-from rclpy.duration import Duration, Infinite
-from rclpy.qos import (
+from embedded_ros.duration import Duration, Infinite
+from embedded_ros.qos_policies import (
     DurabilityPolicy,
     HistoryPolicy,
     LivelinessPolicy,
-    QoSProfile,
     ReliabilityPolicy,
 )
+from embedded_ros.qos_profile import QoSProfile
 
 __all__ = ["may_block", "profile_of", "to_dds"]
 

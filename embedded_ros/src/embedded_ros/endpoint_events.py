@@ -7,8 +7,9 @@ from typing import Any, Final, NamedTuple
 
 from embedded_ros import cyclone
 from embedded_ros.endpoints import Reader, Writer
-from rclpy.callback_groups import CallbackGroup
-from rclpy.qos import QoSPolicyKind
+from embedded_ros.futures import TaskRunner
+from embedded_ros.qos_policies import QoSPolicyKind
+from embedded_ros.work_loop import Group
 
 __all__ = [
     "LIVELINESS_CHANGED",
@@ -138,20 +139,18 @@ class EndpointEvents:
         self,
         endpoint: Writer | Reader,
         callbacks: dict[Status, Callable[[Any], Any]],
-        callback_group: CallbackGroup,
+        callback_group: Group,
     ) -> None:
         self._endpoint = endpoint
         self._callbacks = callbacks
+        self._wait_ref = endpoint.ref
         self.callback_group = callback_group
         # What is not asked for must not wake the executor. Changes before this are kept.
         cyclone.set_status_mask(endpoint.ref, sum(status.mask for status in callbacks))
 
-    @property
-    def _wait_ref(self) -> int:
-        """What a wait set watches."""
-        return self._endpoint.ref
-
-    def _take(self) -> tuple[Callable[[Any], Any], tuple[Any]] | None:
+    def _take(
+        self, _runner: TaskRunner | None = None
+    ) -> tuple[Callable[[Any], Any], tuple[Any]] | None:
         """Take one change; others go on waking the executor."""
         if self._endpoint.closed:
             return None

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import cyclonedds.idl.types as idl_types
 from cyclonedds.core import DDSException, Qos
@@ -14,8 +14,8 @@ from cyclonedds.topic import Topic
 
 from embedded_ros import cyclone
 from embedded_ros.cdr import CdrError
-from embedded_ros.errors import RCLError
-from rclpy.impl.rcutils_logger import RcutilsLogger
+from embedded_ros.errors import InvalidHandle, RCLError
+from embedded_ros.own_warnings import Complaints
 
 __all__ = ["Reader", "Writer", "dds_type_name", "ros_type_of"]
 
@@ -60,6 +60,12 @@ class _Endpoint:
         self.ref: int = entity._ref
         self.guid = cyclone.guid(self.ref)
         self.closed = False
+
+    def usable(self) -> Self:
+        """Return this; ``InvalidHandle`` once it is closed."""
+        if self.closed:
+            raise InvalidHandle
+        return self
 
     def close(self) -> None:
         """Delete the entity. Again is fine."""
@@ -128,7 +134,7 @@ class Reader(_Endpoint):
             raise RCLError(f"no reader of {ros_type} on {topic_name}: {error}") from error
         self.condition = cyclone.read_condition(self.ref)
         self._topic_name = topic_name
-        self._logger = RcutilsLogger("embedded_ros")
+        self._complaints = Complaints()
 
     def take(self) -> tuple[bytes, Any] | None:
         """Oldest payload and its DDS sample info; None if there is none."""
@@ -146,9 +152,7 @@ class Reader(_Endpoint):
         try:
             return decode(sample[0]), sample[1]
         except CdrError as error:
-            self._logger.warning(
-                f"what came on {self._topic_name} is dropped: {error}", throttle_duration_sec=1.0
-            )
+            self._complaints.add(f"what came on {self._topic_name} is dropped: {error}")
             return None
 
     def matched_writers(self) -> list[int]:

@@ -19,7 +19,8 @@ from embedded_ros.definitions import type_hash
 from embedded_ros.discovery import Discovery, Endpoint
 from embedded_ros.endpoints import Reader, Writer
 from embedded_ros.message_classes import message_class
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
+from embedded_ros.qos_policies import DurabilityPolicy, HistoryPolicy
+from embedded_ros.qos_profile import QoSProfile
 
 __all__ = ["Graph", "NodeEntities", "ros_name", "service_name"]
 

@@ -6,7 +6,7 @@ The validators return None, or the text and the position that rcl and rmw give f
 import re
 from typing import Final
 
-from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
+from embedded_ros.errors import InvalidServiceNameException, InvalidTopicNameException
 
 __all__ = [
     "IS_INVALID",
@@ -26,6 +26,11 @@ _TOPIC_LIMIT = 247
 IS_INVALID: Final = " is invalid: "
 
 Fault = tuple[str, int]
+
+
+def _end(name: str) -> int:
+    """Position of the last character, in bytes as rcl counts."""
+    return len(name.encode("utf-8", "surrogatepass")) - 1
 
 
 def node_name_error(name: str) -> Fault | None:
@@ -66,7 +71,7 @@ def namespace_error(namespace: str) -> Fault | None:
     if namespace == "/":
         return None
     if namespace[-1] == "/":
-        return "namespace must not end with a '/', unless only a '/'", len(namespace) - 1
+        return "namespace must not end with a '/', unless only a '/'", _end(namespace)
     fault = _absolute_name_error(namespace, "namespace")
     if fault is None and len(namespace) > _NAMESPACE_LIMIT:
         return f"namespace should not exceed '{_NAMESPACE_LIMIT}'", _NAMESPACE_LIMIT - 1
@@ -80,7 +85,7 @@ def full_topic_name_error(name: str) -> Fault | None:
     if name[0] != "/":
         return "topic name must be absolute, it must lead with a '/'", 0
     if name[-1] == "/":
-        return "topic name must not end with a '/'", len(name) - 1
+        return "topic name must not end with a '/'", _end(name)
     fault = _absolute_name_error(name, "topic name")
     if fault is None and len(name) > _TOPIC_LIMIT:
         return f"topic length should not exceed '{_TOPIC_LIMIT}'", _TOPIC_LIMIT - 1
@@ -94,10 +99,13 @@ def topic_name_error(name: str) -> Fault | None:
     if name[0].isdigit():
         return "topic name token must not start with a number", 0
     if name[-1] == "/":
-        return "topic name must not end with a forward slash", len(name) - 1
+        return "topic name must not end with a forward slash", _end(name)
     fault = _character_error(name)
     if fault is not None:
         return fault
+    # rcl lets a single character behind the tilde pass.
+    if re.match("~[^/].", name):
+        return "topic name must not have a tilde '~' that is not followed by a forward slash '/'", 1
     if bad := re.search(r"/[0-9]", name):
         return "topic name token must not start with a number", bad.start() + 1
     return None

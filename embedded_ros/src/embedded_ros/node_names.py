@@ -1,114 +1,123 @@
-"""Names: the part of :class:`rclpy.node.Node` that applies the command line's arguments."""
+"""The names of a node and of what it makes, as the command line has them."""
 
-from __future__ import annotations
+from collections.abc import Callable, Iterable
+from typing import TypeVar
 
-from embedded_ros.errors import RCLError, RCLInvalidROSArgsError
-from embedded_ros.names import IS_INVALID, expand, expand_valid, full_topic_name_error, join
-from embedded_ros.ros_arguments import NO_ARGUMENTS, RosArguments, parse_arguments
-from rclpy.context import Context
-from rclpy.parameter import Parameter
-from rclpy.validate_namespace import validate_namespace
-from rclpy.validate_node_name import validate_node_name
+from embedded_ros.argument_encoding import check_encoding
+from embedded_ros.errors import (
+    InvalidNamespaceException,
+    InvalidNodeNameException,
+    RCLError,
+    RCLInvalidROSArgsError,
+)
+from embedded_ros.names import (
+    IS_INVALID,
+    expand,
+    expand_valid,
+    full_topic_name_error,
+    join,
+    namespace_error,
+    node_name_error,
+)
+from embedded_ros.ros_arguments import RosArguments, parse_arguments
 
-__all__ = ["NodeNames"]
+__all__ = ["NodeNames", "arguments_of_node"]
+
+_T = TypeVar("_T")
+
+
+def arguments_of_node(words: list[str] | None) -> tuple[RosArguments, ...]:
+    """Arguments that are given to a node alone.
+
+    Raises
+    ------
+    RCLInvalidROSArgsError
+        If one is malformed or not UTF-8.
+    """
+    try:
+        check_encoding(words or ())
+        return (parse_arguments(words),) if words else ()
+    except (RCLInvalidROSArgsError, UnicodeEncodeError) as error:
+        raise RCLInvalidROSArgsError(f"Failed to parse ROS arguments: {error}") from None
 
 
 class NodeNames:
-    """Name and namespace, and what arguments of the command line say of them and of others."""
+    """Name and namespace of a node, and the full names of its topics and services.
 
-    def _init_names(
-        self,
-        context: Context,
-        cli_args: list[str] | None,
-        node_name: str,
-        namespace: str | None,
-        *,
-        use_global_arguments: bool,
-    ) -> None:
-        self._arguments = _arguments_for_node(context, cli_args, use_global_arguments)
-        self._name, self._namespace = self._resolve_own_name(node_name, namespace or "")
+    Parameters
+    ----------
+    name, namespace : str
+        As the program gives them.
+    arguments : tuple of RosArguments
+        What applies to the node; of several that rename the same thing the first counts.
 
-    def _resolve_own_name(self, name: str, namespace: str) -> tuple[str, str]:
-        namespace = namespace if namespace.startswith("/") else f"/{namespace}"
-        validate_node_name(name)
-        validate_namespace(namespace)
-        for arguments in self._arguments:
-            new_name = arguments.node_name(name)
-            if new_name is not None:
-                validate_node_name(new_name)
-                name = new_name
-                break
-        for arguments in self._arguments:
-            new_namespace = arguments.namespace(name)  # of the new name, as rcl has it
-            if new_namespace is not None:
-                validate_namespace(new_namespace)
-                namespace = new_namespace
-                break
-        return name, namespace
+    Raises
+    ------
+    InvalidNodeNameException, InvalidNamespaceException
+    """
 
-    def _says(self, switch: str) -> bool:
-        return any(switch in arguments.switches for arguments in self._arguments)
+    def __init__(self, name: str, namespace: str, arguments: tuple[RosArguments, ...]) -> None:
+        self.arguments = arguments
+        absolute = namespace if namespace.startswith("/") else f"/{namespace}"
+        _check(name, absolute)
+        self.name = _first(each.node_name(name) for each in arguments) or name
+        # Rules for the namespace go by the new name, as rcl has it.
+        self.namespace = _first(each.namespace(self.name) for each in arguments) or absolute
+        _check(self.name, self.namespace)
 
-    def _overrides(self, given: list[Parameter]) -> dict[str, Parameter]:
-        overrides: dict[str, Parameter] = {}
-        for arguments in reversed(self._arguments):  # the node's own ones win
-            values = arguments.parameters_of(self._name, self._namespace)
-            overrides |= {name: Parameter(name, value=value) for name, value in values.items()}
-        return overrides | {parameter.name: parameter for parameter in given}
+    @property
+    def fully_qualified(self) -> str:
+        """Namespace and name."""
+        return join(self.namespace, self.name)
 
-    def get_name(self) -> str:
-        """Name of the node."""
-        return self._name
+    @property
+    def logger(self) -> str:
+        """Name of the node's logger."""
+        return self.fully_qualified.strip("/").replace("/", ".")
 
-    def get_namespace(self) -> str:
-        """Namespace of the node."""
-        return self._namespace
+    def says(self, switch: str) -> bool:
+        """Tell whether the command line has a switch such as ``--disable-rosout-logs``."""
+        return any(switch in each.switches for each in self.arguments)
 
-    def get_fully_qualified_name(self) -> str:
-        """Namespace and name of the node."""
-        return join(self._namespace, self._name)
+    def full_name(self, name: str, *, is_service: bool = False) -> str:
+        """Expand and remap a name for an endpoint; an invalid one is an exception of its kind."""
+        expanded = expand_valid(name, self.name, self.namespace, is_service=is_service)
+        return self._remapped(expanded, is_service)
 
-    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        """Expand and, unless `only_expand`, remap a topic name; ``RCLError`` if it is invalid."""
-        return self._resolve_or_rcl_error(topic, only_expand, is_service=False)
-
-    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        """Expand and, unless `only_expand`, remap a service name; ``RCLError`` if it is invalid."""
-        return self._resolve_or_rcl_error(service, only_expand, is_service=True)
-
-    def _resolve_or_rcl_error(self, name: str, only_expand: bool, *, is_service: bool) -> str:
+    def resolve(self, name: str, *, is_service: bool, only_expand: bool) -> str:
+        """Expand and remap a name that is asked about; ``RCLError`` if it is invalid."""
         try:
-            full_name = expand(name, self._name, self._namespace)
+            expanded = expand(name, self.name, self.namespace)
         except ValueError as error:
-            reason = str(error).partition(IS_INVALID)[2]
-            raise RCLError(f"failed to resolve name: {reason}") from None
-        fault = full_topic_name_error(full_name)
+            reason: str | None = str(error).partition(IS_INVALID)[2]
+        else:
+            fault = full_topic_name_error(expanded)
+            reason = None if fault is None else fault[0]
+        if reason is not None:
+            raise RCLError(f"failed to resolve name: {reason}")
+        return expanded if only_expand else self._remapped(expanded, is_service)
+
+    def _remapped(self, full_name: str, is_service: bool) -> str:
+        remappings = (
+            each.remap(full_name, self.name, self.namespace, is_service=is_service)
+            for each in self.arguments
+        )
+        found = _first(remappings)
+        return full_name if found is None else found
+
+
+def _first(candidates: Iterable[_T | None]) -> _T | None:
+    return next((candidate for candidate in candidates if candidate is not None), None)
+
+
+def _check(name: str, namespace: str) -> None:
+    checks: tuple[
+        tuple[str, Callable[[str], tuple[str, int] | None], Callable[..., Exception]], ...
+    ] = (
+        (name, node_name_error, InvalidNodeNameException),
+        (namespace, namespace_error, InvalidNamespaceException),
+    )
+    for value, fault_of, error in checks:
+        fault = fault_of(value)
         if fault is not None:
-            raise RCLError(f"failed to resolve name: {fault[0]}")
-        return full_name if only_expand else self._remapped(full_name, is_service=is_service)
-
-    def _resolve(self, name: str, *, is_service: bool = False) -> str:
-        full_name = expand_valid(name, self._name, self._namespace, is_service=is_service)
-        return self._remapped(full_name, is_service=is_service)
-
-    def _remapped(self, full_name: str, *, is_service: bool) -> str:
-        for arguments in self._arguments:
-            replacement = arguments.remap(
-                full_name, self._name, self._namespace, is_service=is_service
-            )
-            if replacement is not None:
-                return replacement
-        return full_name
-
-
-def _arguments_for_node(
-    context: Context, cli_args: list[str] | None, use_global: bool
-) -> tuple[RosArguments, ...]:
-    """Arguments that apply to a node, its own ones first."""
-    own = NO_ARGUMENTS
-    if cli_args:
-        try:
-            own = parse_arguments(cli_args)
-        except RCLInvalidROSArgsError as error:
-            raise RCLInvalidROSArgsError(f"Failed to parse ROS arguments: {error}") from None
-    return (own, context._arguments) if use_global else (own,)
+            raise error(value, *fault)

@@ -1,31 +1,36 @@
-"""The parameters of a node: the part of :class:`rclpy.node.Node` that keeps them."""
+"""The parameters of a node under the names that rclpy's ``Node`` has for them.
+
+All of it is asked of the node's :class:`.ParameterStore`; here are the signatures, and the messages
+that a store does without.
+"""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from embedded_ros.parameter_declaration import checked_declaration
-from embedded_ros.parameter_rules import check_descriptor, select_names
-from embedded_ros.parameter_setting import ParameterSetting
-from rclpy.exceptions import (
-    InvalidParameterTypeException,
-    InvalidParameterValueException,
-    ParameterAlreadyDeclaredException,
-    ParameterImmutableException,
-    ParameterNotDeclaredException,
-    ParameterUninitializedException,
-)
-from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter
-
-if TYPE_CHECKING:
-    pass
+from embedded_ros.message_classes import message_class
+from embedded_ros.parameter_callbacks import Judge, React, Rewrite
+from embedded_ros.parameter_declaration import read_declarations
+from embedded_ros.parameter_messages import listing_message, result_message
+from embedded_ros.parameter_store import ParameterStore
+from embedded_ros.parameter_table import new_descriptor
+from embedded_ros.parameter_type import ParameterType
+from embedded_ros.parameter_value import Parameter
 
 __all__ = ["NodeParameters"]
 
 
-class NodeParameters(ParameterSetting):
-    """Declares parameters and tells of them."""
+class NodeParameters:
+    """Declares, gets, sets, describes and lists parameters."""
+
+    _parameter_store: ParameterStore
+
+    @property
+    def _parameter_overrides(self) -> dict[str, Parameter]:
+        """Overrides by name. Programs look here, as rclpy has no public way to see them."""
+        return self._parameter_store.overrides
 
     # ---------------------------------------------------------------- declaring
 
@@ -57,12 +62,10 @@ class NodeParameters(ParameterSetting):
         InvalidParameterValueException
             If the descriptor or a callback rejects the value.
         """
-        from rcl_interfaces.msg import ParameterDescriptor
-
-        if value is None and descriptor is None:
-            return self.declare_parameters("", [(name,)], ignore_override)[0]
-        descriptor = ParameterDescriptor() if descriptor is None else descriptor
-        return self.declare_parameters("", [(name, value, descriptor)], ignore_override)[0]
+        entry: tuple[Any, ...] = (name,)
+        if value is not None or descriptor is not None:
+            entry = (name, value, new_descriptor() if descriptor is None else descriptor)
+        return self._declare("", [entry], ignore_override)[0]
 
     def declare_parameters(
         self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
@@ -77,58 +80,31 @@ class NodeParameters(ParameterSetting):
             As for :meth:`declare_parameter`; value and descriptor may be missing.
         ignore_override : bool
         """
-        declared: list[Parameter] = []
-        descriptors: dict[str, Any] = {}
-        for index, entry in enumerate(parameters):
-            name, value, descriptor = checked_declaration(namespace, index, entry)
-            if not ignore_override and name in self._parameter_overrides:
-                value = self._parameter_overrides[name].value
-            declared.append(Parameter(name, value=value))
-            descriptors[name] = descriptor
-        again = [parameter.name for parameter in declared if parameter.name in self._parameters]
-        if again:
-            raise ParameterAlreadyDeclaredException(again)
-        for parameter in declared:
-            result = self._apply([parameter], descriptors)
-            if result.successful:
-                continue
-            if result.reason.startswith("Wrong parameter type"):
-                expected = Parameter.Type(descriptors[parameter.name].type).name
-                raise InvalidParameterTypeException(parameter, expected)
-            raise InvalidParameterValueException(parameter.name, parameter.value, result.reason)
-        return [self._parameters[parameter.name] for parameter in declared]
+        return self._declare(namespace, parameters, ignore_override)
+
+    def _declare(
+        self, namespace: str, entries: Sequence[tuple[Any, ...]], ignore_override: bool
+    ) -> list[Parameter]:
+        declarations = read_declarations(namespace, entries)
+        for declaration in declarations:
+            if declaration.is_name_only:
+                warnings.warn(
+                    f"when declaring parameter named '{declaration.name}', declaring a parameter "
+                    "only providing its name is deprecated: give it a default value or a "
+                    "Parameter.Type, or a descriptor with dynamic_typing=True",
+                    stacklevel=3,
+                )
+        return self._parameter_store.declare(declarations, ignore_overrides=ignore_override)
 
     def undeclare_parameter(self, name: str) -> None:
         """Undeclare a parameter, unless it is read-only."""
-        if not self.has_parameter(name):
-            raise ParameterNotDeclaredException(name)
-        if self._descriptors[name].read_only:
-            raise ParameterImmutableException(name)
-        del self._parameters[name]
-        del self._descriptors[name]
+        self._parameter_store.undeclare(name)
 
     # ------------------------------------------------------------------ reading
 
-    def get_parameter_types(self, names: list[str]) -> list[int | Parameter.Type]:
-        """Types of parameters; see :meth:`get_parameter_type`."""
-        if not all(isinstance(name, str) for name in names):
-            raise TypeError("All names must be instances of type str")
-        return [self.get_parameter_type(name) for name in names]
-
-    def get_parameter_type(self, name: str) -> int | Parameter.Type:
-        """Type of a parameter, as the number that rclpy gives."""
-        if self.has_parameter(name):
-            number: int = self._parameters[name].type_.value
-            return number
-        if self._allow_undeclared_parameters:
-            return Parameter.Type.NOT_SET
-        raise ParameterNotDeclaredException(name)
-
-    def get_parameters(self, names: list[str]) -> list[Parameter]:
-        """Parameters of these names; see :meth:`get_parameter`."""
-        if not all(isinstance(name, str) for name in names):
-            raise TypeError("All names must be instances of type str")
-        return [self.get_parameter(name) for name in names]
+    def has_parameter(self, name: str) -> bool:
+        """Tell whether a parameter is declared."""
+        return name in self._parameter_store
 
     def get_parameter(self, name: str) -> Parameter:
         """Parameter of a name.
@@ -140,34 +116,37 @@ class NodeParameters(ParameterSetting):
         ParameterUninitializedException
             If it was declared by type and has no value yet.
         """
-        if not self.has_parameter(name):
-            if self._allow_undeclared_parameters:
-                return Parameter(name, Parameter.Type.NOT_SET, None)
-            raise ParameterNotDeclaredException(name)
-        parameter = self._parameters[name]
-        is_set = parameter.type_ is not Parameter.Type.NOT_SET
-        if is_set or self._descriptors[name].dynamic_typing:
-            return parameter
-        raise ParameterUninitializedException(name)
+        return self._parameter_store.parameter(name)
+
+    def get_parameters(self, names: list[str]) -> list[Parameter]:
+        """Parameters of these names; see :meth:`get_parameter`."""
+        return [self._parameter_store.parameter(name) for name in _strings("names", names)]
 
     def get_parameter_or(self, name: str, alternative_value: Parameter | None = None) -> Parameter:
         """Parameter of a name, or another one if it is not declared or has no value."""
-        if alternative_value is None:
-            alternative_value = Parameter(name, Parameter.Type.NOT_SET)
-        parameter = self._parameters.get(name)
-        if parameter is None or parameter.type_ is Parameter.Type.NOT_SET:
-            return alternative_value
-        return parameter
+        found = self._parameter_store.parameter_with_value(name)
+        return found or alternative_value or Parameter(name)
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
         """Parameters by what follows the prefix and a dot in their names."""
-        if prefix:
-            prefix += PARAMETER_SEPARATOR_STRING
-        return {
-            name.removeprefix(prefix): parameter
-            for name, parameter in self._parameters.items()
-            if name.startswith(prefix)
-        }
+        return self._parameter_store.below(prefix)
+
+    def get_parameter_type(self, name: str) -> int | ParameterType:
+        """Number of a parameter's type, or ``NOT_SET`` if it is undeclared and may be."""
+        type_ = self._parameter_store.type_of(name)
+        return ParameterType.NOT_SET if type_ is None else int(type_.value)
+
+    def get_parameter_types(self, names: list[str]) -> list[int | ParameterType]:
+        """Types of parameters; see :meth:`get_parameter_type`."""
+        return [self.get_parameter_type(name) for name in _strings("names", names)]
+
+    def describe_parameter(self, name: str) -> Any:
+        """Descriptor of a parameter."""
+        return self._parameter_store.descriptor(name)
+
+    def describe_parameters(self, names: list[str]) -> list[Any]:
+        """Descriptors of parameters."""
+        return [self._parameter_store.descriptor(name) for name in names]
 
     def list_parameters(self, prefixes: list[str], depth: int) -> Any:
         """Names of parameters, and what stands before their last dots.
@@ -183,33 +162,39 @@ class NodeParameters(ParameterSetting):
         -------
         rcl_interfaces.msg.ListParametersResult
         """
-        from rcl_interfaces.msg import ListParametersResult
-
         if not isinstance(prefixes, list):
             raise TypeError("The prefixes argument must be a list")
-        if not all(isinstance(prefix, str) for prefix in prefixes):
-            raise TypeError("All prefixes must be instances of type str")
+        _strings("prefixes", prefixes)
         if not isinstance(depth, int):
             raise TypeError("The depth must be instance of type int")
         if depth < 0:
             raise ValueError("The depth must be greater than or equal to zero")
-        names = select_names(self._parameters, prefixes, depth)
-        parents = dict.fromkeys(name.rpartition(PARAMETER_SEPARATOR_STRING)[0] for name in names)
-        return ListParametersResult(names=names, prefixes=[parent for parent in parents if parent])
+        return listing_message(self._parameter_store, prefixes, depth)
 
-    def describe_parameter(self, name: str) -> Any:
-        """Descriptor of a parameter."""
-        if name in self._descriptors:
-            return self._descriptors[name]
-        if self._allow_undeclared_parameters:
-            from rcl_interfaces.msg import ParameterDescriptor
+    # ------------------------------------------------------------------ setting
 
-            return ParameterDescriptor()
-        raise ParameterNotDeclaredException(name)
+    def set_parameters(self, parameter_list: list[Parameter]) -> list[Any]:
+        """Set parameters one after the other.
 
-    def describe_parameters(self, names: list[str]) -> list[Any]:
-        """Descriptors of parameters."""
-        return [self.describe_parameter(name) for name in names]
+        Returns
+        -------
+        list of rcl_interfaces.msg.SetParametersResult
+
+        Raises
+        ------
+        ParameterNotDeclaredException
+            If one is not declared; those before it are set.
+        """
+        return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> Any:
+        """Set all parameters or none.
+
+        Returns
+        -------
+        rcl_interfaces.msg.SetParametersResult
+        """
+        return result_message(self._parameter_store.set(parameter_list))
 
     def set_descriptor(self, name: str, descriptor: Any, alternative_value: Any = None) -> Any:
         """Replace the descriptor of a parameter.
@@ -226,23 +211,43 @@ class NodeParameters(ParameterSetting):
         rcl_interfaces.msg.ParameterValue
             The value in force.
         """
-        from rcl_interfaces.msg import Parameter as ParameterMsg
-
-        if not self.has_parameter(name):
-            return self.get_parameter(name).get_parameter_value()  # raises unless undeclared are ok
-        if self.describe_parameter(name).read_only:
-            raise ParameterImmutableException(name)
-        current = self.get_parameter(name)
-        candidates = [current]
+        alternative = None
         if alternative_value is not None:
-            message = ParameterMsg(name=name, value=alternative_value)
-            candidates.append(Parameter.from_parameter_msg(message))
-        for candidate in candidates:
-            result = check_descriptor(
-                candidate, descriptor, is_declared=True, check_read_only=False
+            parameter = message_class("rcl_interfaces/msg/Parameter")
+            alternative = Parameter.from_parameter_msg(
+                parameter(name=name, value=alternative_value)
             )
-            if result.successful:
-                self._parameters[name] = candidate
-                self._descriptors[name] = descriptor
-                return candidate.get_parameter_value()
-        raise InvalidParameterValueException(name, candidates[-1].value, result.reason)
+        chosen = self._parameter_store.redescribe(name, descriptor, alternative)
+        return chosen.get_parameter_value()
+
+    # ---------------------------------------------------------------- callbacks
+
+    def add_pre_set_parameters_callback(self, callback: Rewrite) -> None:
+        """Have a function replace the list of parameters before they are checked."""
+        self._parameter_store.before_set.add(callback)
+
+    def add_on_set_parameters_callback(self, callback: Judge) -> None:
+        """Have a function accept or reject parameters: it returns a ``SetParametersResult``."""
+        self._parameter_store.on_set.add(callback)
+
+    def add_post_set_parameters_callback(self, callback: React) -> None:
+        """Have a function called with the parameters that were set."""
+        self._parameter_store.after_set.add(callback)
+
+    def remove_pre_set_parameters_callback(self, callback: Rewrite) -> None:
+        """Remove a callback; ``ValueError`` if it was not added."""
+        self._parameter_store.before_set.remove(callback)
+
+    def remove_on_set_parameters_callback(self, callback: Judge) -> None:
+        """Remove a callback; ``ValueError`` if it was not added."""
+        self._parameter_store.on_set.remove(callback)
+
+    def remove_post_set_parameters_callback(self, callback: React) -> None:
+        """Remove a callback; ``ValueError`` if it was not added."""
+        self._parameter_store.after_set.remove(callback)
+
+
+def _strings(what: str, values: list[str]) -> list[str]:
+    if not all(isinstance(value, str) for value in values):
+        raise TypeError(f"All {what} must be instances of type str")
+    return values

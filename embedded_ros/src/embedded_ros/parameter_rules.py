@@ -1,117 +1,103 @@
-"""What a parameter's descriptor lets pass. Results carry rclpy's reasons."""
+"""What a descriptor lets pass."""
+
+from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Final
 
-from rclpy.parameter import Parameter
+from embedded_ros.parameter_type import ParameterType
+from embedded_ros.parameter_value import Parameter
 
-__all__ = ["check_descriptor", "reject", "select_names"]
+__all__ = ["Objection", "objection"]
 
-_RELATIVE_TOLERANCE = 1e-6
-
-
-def accept() -> Any:
-    """A positive ``SetParametersResult``."""
-    from rcl_interfaces.msg import SetParametersResult
-
-    return SetParametersResult(successful=True)
+#: Relative distance at which a double counts as an end of its range or as one of its steps.
+_CLOSENESS: Final = 1e-6
 
 
-def reject(reason: str) -> Any:
-    """A negative ``SetParametersResult``."""
-    from rcl_interfaces.msg import SetParametersResult
+@dataclass(frozen=True)
+class Objection:
+    """Why a value does not pass.
 
-    return SetParametersResult(successful=False, reason=reason)
+    Attributes
+    ----------
+    reason : str
+        As the answer to a request has it.
+    expected_type : ParameterType, optional
+        Given if the value is of another type.
+    """
+
+    reason: str
+    expected_type: ParameterType | None = None
 
 
-def check_descriptor(
-    parameter: Parameter, descriptor: Any, *, is_declared: bool, check_read_only: bool
-) -> Any:
-    """Check a new value; the descriptor takes the parameter's name and, if dynamic, its type.
+def objection(
+    parameter: Parameter, descriptor: Any, *, is_declared: bool, mind_read_only: bool
+) -> Objection | None:
+    """Reason why a descriptor does not let a value pass; None if it does.
 
     Parameters
     ----------
     parameter : Parameter
     descriptor : rcl_interfaces.msg.ParameterDescriptor
     is_declared : bool
-    check_read_only : bool
-
-    Returns
-    -------
-    rcl_interfaces.msg.SetParametersResult
+        Whether the parameter is there: no value then means to undeclare it.
+    mind_read_only : bool
+        Whether read-only parameters stay as they are; not so while they are declared.
     """
-    name, type_ = parameter.name, parameter.type_
-    descriptor.name = name
-    if check_read_only and descriptor.read_only:
-        return reject(f"Trying to set a read-only parameter: {name}.")
-    if descriptor.dynamic_typing:
-        descriptor.type = type_.value
-    elif is_declared and type_ is Parameter.Type.NOT_SET:
-        return reject("Static parameter cannot be undeclared")
-    elif type_ is not Parameter.Type.NOT_SET and type_.value != descriptor.type:
-        return reject(
-            f"Wrong parameter type, expected '{Parameter.Type(descriptor.type)}' got '{type_}'"
-        )
-    if type_ is Parameter.Type.INTEGER and descriptor.integer_range:
-        return _check_integer(name, parameter.value, descriptor.integer_range[0])
-    if type_ is Parameter.Type.DOUBLE and descriptor.floating_point_range:
-        return _check_double(name, parameter.value, descriptor.floating_point_range[0])
-    return accept()
-
-
-def _check_integer(name: str, value: int, limits: Any) -> Any:
-    low = min(limits.from_value, limits.to_value)
-    high = max(limits.from_value, limits.to_value)
-    if not low <= value <= high:
-        return reject(f"Parameter {name} out of range. Min: {low}, Max: {high}, value: {value}")
-    # The ends are allowed even off the steps.
-    if value not in (low, high) and limits.step and (value - low) % limits.step:
-        return reject(
-            f"The parameter value for {name} is not a valid step. "
-            f"Min: {low}, max: {high}, value: {value}, step: {limits.step}"
-        )
-    return accept()
-
-
-def _check_double(name: str, value: float, limits: Any) -> Any:
-    low = min(limits.from_value, limits.to_value)
-    high = max(limits.from_value, limits.to_value)
-    if _is_close(value, low) or _is_close(value, high):
-        return accept()
-    # Written so that NaN is out of range.
-    if not low < value < high:
-        return reject(f"Parameter {name} out of range Min: {low}, Max: {high}, value: {value}")
-    if limits.step:
-        steps = round((value - low) / limits.step)
-        if not _is_close(low + steps * limits.step, value):
-            return reject(
-                f"The parameter value for {name} is not close enough to a valid step. "
-                f"Min: {low}, max: {high}, value: {value}, step: {limits.step}"
+    if mind_read_only and descriptor.read_only:
+        return Objection(f"Trying to set a read-only parameter: {parameter.name}.")
+    if not descriptor.dynamic_typing:
+        if parameter.type_ is ParameterType.NOT_SET:
+            return Objection("Static parameter cannot be undeclared") if is_declared else None
+        if parameter.type_.value != descriptor.type:
+            expected = ParameterType(descriptor.type)
+            return Objection(
+                f"Wrong parameter type, expected '{expected}' got '{parameter.type_}'", expected
             )
-    return accept()
+    text = None
+    if parameter.type_ is ParameterType.INTEGER:
+        text = _misfit_of_integer(parameter, descriptor.integer_range)
+    elif parameter.type_ is ParameterType.DOUBLE:
+        text = _misfit_of_double(parameter, descriptor.floating_point_range)
+    return None if text is None else Objection(text)
 
 
-def _is_close(value: float, other: float) -> bool:
-    return math.isclose(value, other, rel_tol=_RELATIVE_TOLERANCE)
+def _ends(limits: Any) -> tuple[Any, Any]:
+    first, last = sorted((limits.from_value, limits.to_value))
+    return first, last
 
 
-def select_names(names: Mapping[str, Any], prefixes: list[str], depth: int) -> list[str]:
-    """Names below any of the prefixes, with fewer separators than `depth` (0: any number)."""
+def _misfit_of_integer(parameter: Parameter, ranges: Any) -> str | None:
+    if not ranges:
+        return None
+    value, step = parameter.value, ranges[0].step
+    low, high = _ends(ranges[0])
+    if value < low or value > high:
+        where = f"Min: {low}, Max: {high}, value: {value}"
+        return f"Parameter {parameter.name} out of range. {where}"
+    # The upper end is allowed even if no number of steps leads there.
+    if step == 0 or value == high or (value - low) % step == 0:
+        return None
+    grid = f"Min: {low}, max: {high}, value: {value}, step: {step}"
+    return f"The parameter value for {parameter.name} is not a valid step. {grid}"
 
-    def is_shallow(rest: str) -> bool:
-        return rest.count(".") < depth
 
-    def is_wanted(name: str) -> bool:
-        if not prefixes and (depth == 0 or is_shallow(name)):
-            return True
-        return any(
-            name == prefix
-            or (
-                name.startswith(f"{prefix}.")
-                and (depth == 0 or is_shallow(name[len(prefix) + 1 :]))
-            )
-            for prefix in prefixes
-        )
-
-    return [name for name in names if is_wanted(name)]
+def _misfit_of_double(parameter: Parameter, ranges: Any) -> str | None:
+    if not ranges:
+        return None
+    value, step = parameter.value, ranges[0].step
+    low, high = _ends(ranges[0])
+    if any(math.isclose(value, end, rel_tol=_CLOSENESS) for end in (low, high)):
+        return None
+    # NaN is in no range: no comparison holds for it.
+    if not (low < value < high):
+        where = f"Min: {low}, Max: {high}, value: {value}"
+        return f"Parameter {parameter.name} out of range {where}"
+    # No value is a step where steps cannot be counted: from an infinite end, or endlessly small.
+    steps = (value - low) / step if step else 0.0
+    nearest = low + round(steps) * step if math.isfinite(steps) else math.nan
+    if step == 0 or math.isclose(nearest, value, rel_tol=_CLOSENESS):
+        return None
+    grid = f"Min: {low}, max: {high}, value: {value}, step: {step}"
+    return f"The parameter value for {parameter.name} is not close enough to a valid step. {grid}"

@@ -1,12 +1,9 @@
 """Whether profiles of quality of service fit each other. Texts are those of rmw."""
 
 from enum import IntEnum
-from typing import TYPE_CHECKING
 
 from embedded_ros.qos_policies import DurabilityPolicy, LivelinessPolicy
-
-if TYPE_CHECKING:
-    from rclpy.qos import QoSProfile
+from embedded_ros.qos_profile import QoSProfile
 
 __all__ = ["QoSCompatibility", "qos_check_compatible"]
 
@@ -20,7 +17,7 @@ class QoSCompatibility(IntEnum):
 
 
 def qos_check_compatible(
-    publisher_qos: "QoSProfile", subscription_qos: "QoSProfile"
+    publisher_qos: QoSProfile, subscription_qos: QoSProfile
 ) -> tuple[QoSCompatibility, str]:
     """Check whether two profiles are compatible.
 
@@ -40,7 +37,7 @@ def qos_check_compatible(
     return QoSCompatibility.OK, ""
 
 
-def _certain(offered: "QoSProfile", asked: "QoSProfile") -> list[str]:
+def _certain(offered: QoSProfile, asked: QoSProfile) -> list[str]:
     """Why the subscription gets nothing."""
     found = []
     if offered.reliability.short_key == "best_effort" and asked.reliability.short_key == "reliable":
@@ -67,7 +64,7 @@ def _certain(offered: "QoSProfile", asked: "QoSProfile") -> list[str]:
     return found
 
 
-def _possible(offered: "QoSProfile", asked: "QoSProfile") -> list[str]:
+def _possible(offered: QoSProfile, asked: QoSProfile) -> list[str]:
     """What may go wrong where a side leaves a policy to the system."""
     found = []
     for policy, name, demanding, lenient, demand, offer in (

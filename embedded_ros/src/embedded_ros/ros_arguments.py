@@ -1,11 +1,12 @@
 """ROS command-line arguments: what stands between ``--ros-args`` and ``--``."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from embedded_ros import log_output
 from embedded_ros.errors import RCLInvalidROSArgsError, UnknownROSArgsError
-from embedded_ros.names import expand, join
+from embedded_ros.names import expand, join, namespace_error
 from embedded_ros.yaml_values import (
     ParameterFileError,
     ParameterValue,
@@ -13,9 +14,21 @@ from embedded_ros.yaml_values import (
     typed_value,
 )
 
-__all__ = ["NO_ARGUMENTS", "RosArguments", "parse_arguments", "without_ros_arguments"]
+__all__ = [
+    "NO_ARGUMENTS",
+    "RosArguments",
+    "parameter_overrides",
+    "parse_arguments",
+    "without_ros_arguments",
+]
 
-_LEVELS = {"debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
+_LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
+# rcl keeps names that begin with two underscores for itself.
+_WORD = r"(?!__)[A-Za-z_][A-Za-z0-9_]*"
+_NODE = re.compile(rf"(?:(?P<node>{_WORD}):)?(?P<rest>.*)", re.DOTALL)
+_PARAMETER = re.compile(rf"/?{_WORD}(?:[./]{_WORD})*/?")
+_NAME = re.compile(rf"(?:~/|/)?{_WORD}(?:/{_WORD})*")
+_NAMESPACE = re.compile(rf"/|(?:/{_WORD})+")
 _SWITCHES = {
     f"--{state}-{output}"
     for state in ("enable", "disable")
@@ -48,7 +61,7 @@ class RosArguments:
     """Parsed arguments, in the order in which they were given."""
 
     remaps: tuple[Remap, ...] = ()
-    parameters: tuple[tuple[str, str, ParameterValue], ...] = ()
+    parameters: tuple[tuple[str, str, ParameterValue | None], ...] = ()
     log_levels: tuple[tuple[str, int], ...] = ()
     switches: frozenset[str] = frozenset()
     enclave: str = "/"
@@ -76,7 +89,7 @@ class RosArguments:
                 return expand(rule.target, node, namespace)
         return None
 
-    def parameters_of(self, node: str, namespace: str) -> dict[str, ParameterValue]:
+    def parameters_of(self, node: str, namespace: str) -> dict[str, ParameterValue | None]:
         """Overrides for a node; of several for one parameter the last one counts."""
         full_name = join(namespace, node)
         return {
@@ -87,6 +100,16 @@ class RosArguments:
 
 
 NO_ARGUMENTS = RosArguments()
+
+
+def parameter_overrides(
+    arguments: Sequence[RosArguments], node: str, namespace: str
+) -> dict[str, ParameterValue | None]:
+    """Values that arguments give the parameters of a node; earlier arguments win over later."""
+    overrides: dict[str, ParameterValue | None] = {}
+    for each in reversed(arguments):
+        overrides |= each.parameters_of(node, namespace)
+    return overrides
 
 
 def _pattern(text: str) -> re.Pattern[str]:
@@ -114,7 +137,7 @@ def parse_arguments(arguments: Sequence[str]) -> RosArguments:
         If there is no such argument.
     """
     remaps: list[Remap] = []
-    parameters: list[tuple[str, str, ParameterValue]] = []
+    parameters: list[tuple[str, str, ParameterValue | None]] = []
     levels: list[tuple[str, int]] = []
     switches: set[str] = set()
     unknown: list[str] = []
@@ -136,19 +159,25 @@ def parse_arguments(arguments: Sequence[str]) -> RosArguments:
                 case "remap rule":
                     remaps.append(_remap(value))
                 case "parameter override rule":
-                    parameters.extend(_parameter(value))
+                    parameters.append(_parameter(value))
                 case "params file":
                     parameters.extend(read_parameter_file(value))
                 case "log level":
                     levels.append(_log_level(value))
                 case "enclave name":
-                    enclave = value if value.startswith("/") else f"/{value}"
+                    enclave = value
         except ValueError as error:
             raise RCLInvalidROSArgsError(
                 f"Couldn't parse {what}: '{flag} {value}'. Error: {error}"
             ) from None
     if unknown:
         raise UnknownROSArgsError(repr(unknown))
+    fault = namespace_error(enclave)
+    if fault is not None:
+        reason, place = fault[0].replace("namespace", "context name"), fault[1]
+        raise RCLInvalidROSArgsError(
+            f"Enclave name is not valid: '{reason}'. Invalid index: {place}"
+        )
     return RosArguments(
         tuple(remaps), tuple(parameters), tuple(levels), frozenset(switches), enclave
     )
@@ -167,65 +196,90 @@ _FLAGS = {
 
 
 def ros_words(arguments: Sequence[str]) -> list[str]:
-    """Those arguments that stand between ``--ros-args`` and ``--``."""
-    return [word for word, is_ros in _classified(arguments) if is_ros]
+    """Arguments for ROS; what stands for one without saying so gets its flag."""
+    words = []
+    for word, meaning in _classified(arguments):
+        if meaning == "remap rule":
+            text = f"Found remap rule '{word}'. This syntax is deprecated. "
+            hint = f"Use '--ros-args --remap {word}' instead."
+            log_output.output(log_output.Record(30, "rcl", text + hint, "", "", 0))
+            words.append("--remap")
+        if meaning != "program":
+            words.append(word)
+    return words
 
 
 def without_ros_arguments(arguments: Sequence[str]) -> list[str]:
     """Those arguments that are not ROS's, without ``--ros-args`` and its ``--``."""
-    return [word for word, is_ros in _classified(arguments) if not is_ros]
+    return [word for word, meaning in _classified(arguments) if meaning == "program"]
 
 
-def _classified(arguments: Sequence[str]) -> list[tuple[str, bool]]:
-    words = []
+def _classified(arguments: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Arguments, and whether each is for ``ROS``, the ``program`` or a bare ``remap rule``."""
     in_ros = False
     for argument in arguments:
         if argument == "--ros-args":
             in_ros = True
-        elif in_ros and argument == "--":
+        elif not in_ros:
+            yield argument, "remap rule" if _is_remap_rule(argument) else "program"
+        elif argument == "--":
             in_ros = False
         else:
-            words.append((argument, in_ros))
-    return words
+            yield argument, "ROS"
+
+
+def _is_remap_rule(argument: str) -> bool:
+    try:
+        _remap(argument)
+    except ValueError:
+        return False
+    return True
 
 
 def _remap(rule: str) -> Remap:
     left, separator, target = rule.partition(":=")
     if not separator or not left or not target:
         raise ValueError("expected [node:]from:=to")
-    kind, node = "name", ""
-    for scheme in ("rostopic", "rosservice"):
-        if left.startswith(f"{scheme}://"):
-            kind, left = scheme.removeprefix("ros"), left.removeprefix(f"{scheme}://")
-    target = re.sub(r"^ros(topic|service)://", "", target)
-    if ":" in left:
-        node, _, left = left.partition(":")
-    if left in ("__node", "__name", "__ns"):
-        kind = "__ns" if left == "__ns" else "__node"
-        if kind == "__ns" and not target.startswith("/"):
-            raise ValueError("a namespace must be absolute, it must lead with a '/'")
-    if not re.fullmatch(r"[\w/~{}]+", left + target):
-        raise ValueError("a name holds letters, digits and '_', '/', '~', '{', '}' only")
-    return Remap(kind, node, left, target)
+    node, source = _for_node(left)
+    kind, expected = "name", _NAME
+    match source:
+        case "__node" | "__name":
+            kind, expected = "__node", re.compile(_WORD)
+        case "__ns":
+            kind, expected = "__ns", _NAMESPACE
+        case _:
+            if "://" in source:
+                scheme, _, source = source.partition("://")
+                kind = {"rostopic": "topic", "rosservice": "service"}.get(scheme, "")
+            if not kind or not _NAME.fullmatch(source):
+                raise ValueError(f"{source!r} is not a name of a topic or service")
+    if not expected.fullmatch(target):
+        what = "must be absolute, it must lead with a '/'" if kind == "__ns" else "is not a name"
+        raise ValueError(f"{target!r} {what}")
+    return Remap(kind, node, source, target)
 
 
-def _parameter(rule: str) -> list[tuple[str, str, ParameterValue]]:
+def _for_node(text: str) -> tuple[str, str]:
+    """Name of the node that a rule is for, which may be empty, and what follows it."""
+    found = _NODE.fullmatch(text)
+    if found is None or found["rest"].startswith("//"):  # the colon of a scheme
+        return "", text
+    return found["node"] or "", found["rest"]
+
+
+def _parameter(rule: str) -> tuple[str, str, ParameterValue | None]:
     left, separator, text = rule.partition(":=")
-    if not separator or not left:
-        raise ValueError("expected [node:]name:=value")
-    node, colon, name = left.rpartition(":")
-    if not re.fullmatch(r"[A-Za-z_][\w./]*", name) or (colon and not node):
+    node, name = _for_node(left)
+    if not separator or not _PARAMETER.fullmatch(name):
         raise ValueError("expected [node:]name:=value, where the name begins with a letter or '_'")
     try:
-        value = typed_value(text)
+        return f"/{node or '**'}", name, typed_value(text)
     except ParameterFileError as error:
         raise ValueError(f"value of {name!r}: {error}") from None
-    # rcl drops an empty list, whose type nobody knows.
-    return [] if value is None else [(f"/{(node or '**').strip('/')}", name, value)]
 
 
 def _log_level(text: str) -> tuple[str, int]:
-    logger, _, level = text.rpartition(":=")
-    if level.lower() not in _LEVELS:
-        raise ValueError(f"{level!r} is not one of {', '.join(_LEVELS)}")
+    logger, separator, level = text.rpartition(":=")
+    if level.lower() not in _LEVELS or ":=" in logger or (separator and not logger):
+        raise ValueError(f"{text!r} is not [logger:=]level, where level is {', '.join(_LEVELS)}")
     return logger, _LEVELS[level.lower()]

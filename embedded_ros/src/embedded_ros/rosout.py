@@ -2,11 +2,12 @@
 
 from embedded_ros import log_output
 from embedded_ros.cdr import ENCAPSULATION, codec
+from embedded_ros.duration import Duration
 from embedded_ros.graph import NodeEntities
 from embedded_ros.message_classes import message_class
+from embedded_ros.qos_policies import DurabilityPolicy
+from embedded_ros.qos_profile import QoSProfile
 from embedded_ros.session import Session
-from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, QoSProfile
 
 __all__ = ["RosoutPublisher"]
 

@@ -7,7 +7,7 @@ request writer, and a number that the client counts. A reply repeats them.
 import struct
 import time
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from cyclonedds._clayer import (
     ddspy_get_matched_publication_data,
@@ -16,15 +16,25 @@ from cyclonedds._clayer import (
 
 from embedded_ros import cyclone
 from embedded_ros.cdr import ENCAPSULATION, CdrError, codec
+from embedded_ros.deadline import Deadline
 from embedded_ros.endpoints import Reader, Writer
+from embedded_ros.qos_profile import QoSProfile
 from embedded_ros.session import Session
-from rclpy.qos import QoSProfile
 
-__all__ = ["ClientPorts", "RequestHeader", "ServerPorts"]
+__all__ = ["ClientPorts", "RequestHeader", "ServerPorts", "ServiceAddress"]
 
 _HEADER = struct.Struct("<Qq")
 _BODY = len(ENCAPSULATION) + _HEADER.size
 _MATCH_TIMEOUT_S = 0.1
+
+
+class ServiceAddress(NamedTuple):
+    """Which service, and how: the class, the name as given and in full, the policies."""
+
+    type: type[Any]
+    given_name: str
+    full_name: str
+    profile: QoSProfile
 
 
 class RequestHeader(NamedTuple):
@@ -65,10 +75,10 @@ class _Ports:
             self.writer.close()
             raise
 
-    @property
-    def closed(self) -> bool:
-        """Whether the entities are deleted."""
-        return self.reader.closed
+    def usable(self) -> Self:
+        """Return these; ``InvalidHandle`` once they are closed."""
+        self.reader.usable()
+        return self
 
     def close(self) -> None:
         """Delete the entities. Again is fine."""
@@ -153,8 +163,8 @@ class ServerPorts(_Ports):
         """
         payload = _payload(self._write, _HEADER.pack(*header[:2]), response)
         if header.writer not in self._reachable:
-            deadline = time.monotonic() + _MATCH_TIMEOUT_S
-            while not self._can_reach(header.writer) and time.monotonic() < deadline:
+            deadline = Deadline(_MATCH_TIMEOUT_S)
+            while not self._can_reach(header.writer) and not deadline.is_over():
                 time.sleep(0.001)
             self._reachable.add(header.writer)
         self.writer.write(payload)

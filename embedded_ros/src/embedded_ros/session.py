@@ -16,7 +16,7 @@ from embedded_ros.domain import close_participant, create_participant
 from embedded_ros.endpoints import Reader, Writer
 from embedded_ros.errors import RCLError
 from embedded_ros.graph import Graph
-from rclpy.qos import QoSProfile
+from embedded_ros.qos_profile import QoSProfile
 
 __all__ = ["Interruptible", "Session"]
 

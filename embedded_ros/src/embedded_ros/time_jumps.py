@@ -1,8 +1,10 @@
 """Jumps of simulated time, and which of them a callback is for."""
 
+from dataclasses import dataclass
 from enum import IntEnum
+from typing import Final
 
-from rclpy.duration import Duration
+from embedded_ros.duration import Duration
 
 __all__ = ["ClockChange", "JumpThreshold", "TimeJump"]
 
@@ -16,6 +18,10 @@ class ClockChange(IntEnum):
     SYSTEM_TIME_NO_CHANGE = 4
 
 
+_SWITCHES: Final = (ClockChange.ROS_TIME_ACTIVATED, ClockChange.ROS_TIME_DEACTIVATED)
+
+
+@dataclass(kw_only=True, eq=False)
 class JumpThreshold:
     """Which jumps a callback is for.
 
@@ -29,46 +35,43 @@ class JumpThreshold:
         Whether activation and deactivation of simulated time count.
     """
 
-    def __init__(
-        self,
-        *,
-        min_forward: Duration | None,
-        min_backward: Duration | None,
-        on_clock_change: bool = True,
-    ) -> None:
-        if min_forward is not None and min_forward.nanoseconds <= 0:
-            raise ValueError("min_forward must be a positive non-zero duration")
-        if min_backward is not None and min_backward.nanoseconds >= 0:
-            raise ValueError("min_backward must be a negative non-zero duration")
-        if min_forward is None and min_backward is None and not on_clock_change:
+    min_forward: Duration | None
+    min_backward: Duration | None
+    on_clock_change: bool = True
+
+    def __post_init__(self) -> None:
+        for name, bound, sign, meaning in (
+            ("min_forward", self.min_forward, 1, "positive"),
+            ("min_backward", self.min_backward, -1, "negative"),
+        ):
+            if bound is not None and sign * bound.nanoseconds <= 0:
+                raise ValueError(f"{name} must be a {meaning} non-zero duration")
+        if not (self.on_clock_change or self.min_forward or self.min_backward):
             raise ValueError("At least one jump threshold must be enabled")
-        self.min_forward = min_forward
-        self.min_backward = min_backward
-        self.on_clock_change = on_clock_change
 
-    def _is_met(self, change: ClockChange, delta: int) -> bool:
-        if change in (ClockChange.ROS_TIME_ACTIVATED, ClockChange.ROS_TIME_DEACTIVATED):
+    def is_met(self, change: ClockChange, delta: int) -> bool:
+        """Tell whether a jump counts; `delta` in nanoseconds."""
+        if change in _SWITCHES:
             return self.on_clock_change
-        if self.min_forward is not None and delta >= self.min_forward.nanoseconds:
-            return True
-        return self.min_backward is not None and delta <= self.min_backward.nanoseconds
+        bound = self.min_forward if delta > 0 else self.min_backward
+        return bound is not None and abs(delta) >= abs(bound.nanoseconds)
 
 
+@dataclass(frozen=True, eq=False)
 class TimeJump:
-    """A jump that has happened."""
+    """A jump that has happened.
 
-    def __init__(self, clock_change: ClockChange, delta: Duration) -> None:
-        if not isinstance(clock_change, ClockChange):
+    Parameters
+    ----------
+    clock_change : ClockChange
+        What happened to the source of time.
+    delta : Duration
+        Time after the jump less the time before.
+    """
+
+    clock_change: ClockChange
+    delta: Duration
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.clock_change, ClockChange):
             raise TypeError("clock_change must be an instance of rclpy.clock.ClockChange")
-        self._clock_change = clock_change
-        self._delta = delta
-
-    @property
-    def clock_change(self) -> ClockChange:
-        """What happened to the source of time."""
-        return self._clock_change
-
-    @property
-    def delta(self) -> Duration:
-        """Time after the jump less the time before."""
-        return self._delta

@@ -18,11 +18,27 @@ ParameterValue = bool | int | float | str | list[bool] | list[int] | list[float]
 _TRUE = {"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"}
 _FALSE = {"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"}
 _INTEGER = re.compile(r"[+-]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
-_DOUBLE = re.compile(
-    r"[+-]?(\.(inf|Inf|INF)|\.(nan|NaN|NAN)|(?i:inf|infinity|nan)"
-    r"|([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?)"
+# What C's strtod takes, and YAML's words.
+_DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+_HEXADECIMAL = re.compile(
+    r"[+-]?0[xX]([0-9a-fA-F]+\.?[0-9a-fA-F]*|\.[0-9a-fA-F]+)([pP][+-]?[0-9]+)?"
 )
+_NO_NUMBER = re.compile(r"\.(nan|NaN|NAN)|[+-]?(?i:nan(\(\w*\))?)")
+_INFINITY = re.compile(r"[+-]?(\.(inf|Inf|INF)|(?i:inf|infinity))")
+# A wildcard stands alone between slashes.
+_WILD_WORD = re.compile(r"[^/*]\*|\*[^/*]|\*{3}")
+_SMALLEST_NORMAL = 2.0**-1022
 _TYPE_NAMES = {bool: "bool", int: "integer", float: "double", str: "string"}
+
+
+class _Loader(yaml.SafeLoader):
+    """Reads YAML without aliases, as rcl does."""
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        """Compose the next node."""
+        if self.check_event(yaml.AliasEvent):
+            raise ParameterFileError(f"line {self.line + 1}: an alias has no meaning here")
+        return super().compose_node(parent, index)
 
 
 class ParameterFileError(ValueError):
@@ -30,9 +46,12 @@ class ParameterFileError(ValueError):
 
 
 def typed_value(text: str) -> ParameterValue | None:
-    """Value of the YAML text after ``name:=`` on a command line; None for an empty list."""
+    """Value of the YAML text after ``name:=`` on a command line.
+
+    None for an empty list, whose type nobody knows: rcl hands it on as a value that is not set.
+    """
     try:
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
+        node = yaml.compose(text, Loader=_Loader)
     except yaml.YAMLError as error:
         raise ParameterFileError(f"not YAML: {_one_line(error)}") from None
     if node is None:
@@ -40,7 +59,7 @@ def typed_value(text: str) -> ParameterValue | None:
     return _value(node)
 
 
-def read_parameter_file(path: str) -> list[tuple[str, str, ParameterValue]]:
+def read_parameter_file(path: str) -> list[tuple[str, str, ParameterValue | None]]:
     """Read a ROS parameter file.
 
     Parameters
@@ -57,7 +76,7 @@ def read_parameter_file(path: str) -> list[tuple[str, str, ParameterValue]]:
     ParameterFileError
     """
     try:
-        root = yaml.compose(Path(path).read_text(encoding="utf-8"), Loader=yaml.SafeLoader)
+        root = yaml.compose(Path(path).read_text(encoding="utf-8"), Loader=_Loader)
     except OSError as error:
         raise ParameterFileError(f"cannot read {path!r}: {error.strerror}") from None
     except UnicodeDecodeError:
@@ -89,7 +108,7 @@ def _line(node: yaml.Node) -> int:
     return int(node.start_mark.line) + 1
 
 
-def _nodes(node: yaml.Node, prefix: str) -> Iterator[tuple[str, str, ParameterValue]]:
+def _nodes(node: yaml.Node, prefix: str) -> Iterator[tuple[str, str, ParameterValue | None]]:
     for key, value in _entries(node, "a node or namespace"):
         if key == "ros__parameters":
             if not prefix:
@@ -103,18 +122,20 @@ def _nodes(node: yaml.Node, prefix: str) -> Iterator[tuple[str, str, ParameterVa
                 raise ParameterFileError(
                     f"line {_line(value)}: {key!r} stands outside of 'ros__parameters'"
                 )
+            if (prefix and key.startswith("/")) or _WILD_WORD.search(key):
+                raise ParameterFileError(f"line {_line(value)}: {key!r} names no node or namespace")
             yield from _nodes(value, f"{prefix}/{key.strip('/')}")
 
 
-def _parameters(node: yaml.Node, prefix: str) -> Iterator[tuple[str, ParameterValue]]:
+def _parameters(node: yaml.Node, prefix: str) -> Iterator[tuple[str, ParameterValue | None]]:
     for key, value in _entries(node, "'ros__parameters'"):
         name = f"{prefix}.{key}" if prefix else key
-        if isinstance(value, yaml.MappingNode):
+        if isinstance(value, yaml.MappingNode) and value.value:
             yield from _parameters(value, name)
+        elif isinstance(value, yaml.MappingNode):
+            yield name, None
         else:
-            typed = _value(value)
-            if typed is not None:
-                yield name, typed
+            yield name, _value(value)
 
 
 def _value(node: yaml.Node) -> ParameterValue | None:
@@ -133,7 +154,6 @@ def _value(node: yaml.Node) -> ParameterValue | None:
                 f"'{_TYPE_NAMES[type(value)]}' do not belong at line_num {_line(item)}"
             )
         values.append(value)
-    # rcl drops an empty list, whose type nobody knows.
     return values or None
 
 
@@ -148,15 +168,31 @@ def _scalar(node: yaml.ScalarNode) -> bool | int | float | str:
         return True
     if text in _FALSE:
         return False
-    if explicit != "float" and _INTEGER.fullmatch(text):
+    if _INTEGER.fullmatch(text):
         digits = text.lstrip("+-")
         is_octal = len(digits) > 1 and digits[0] == "0" and digits[1] not in "xX"
         number = int(text, 8) if is_octal else int(text, 0)
         if -(2**63) <= number < 2**63:
             return number
-    if _DOUBLE.fullmatch(text):
-        return float(re.sub(r"\.(?=[in])", "", text.lower()))
-    return text
+    double = _double(text)
+    return text if double is None else double
+
+
+def _double(text: str) -> float | None:
+    if _NO_NUMBER.fullmatch(text):
+        return float("nan")
+    if _INFINITY.fullmatch(text):
+        return float(text.replace(".", ""))
+    if _DECIMAL.fullmatch(text):
+        double = float(text)
+    elif _HEXADECIMAL.fullmatch(text):
+        double = float.fromhex(text)
+    else:
+        return None
+    # Too large or too small for a double: C says so, and rcl takes it for text.
+    is_zero = not re.search(r"[1-9]", re.split("[eE]", text)[0])
+    fits = double == 0.0 if is_zero else _SMALLEST_NORMAL <= abs(double) < float("inf")
+    return double if fits else None
 
 
 def _has_explicit_tag(node: yaml.ScalarNode) -> bool:

@@ -7,9 +7,13 @@ A program calls :func:`init`, makes nodes (:func:`create_node` or a subclass of
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from embedded_ros.public_names import also_here
+from rclpy import _rclpy_pybind11, exceptions  # noqa: F401 - programs find errors there
 from rclpy.context import Context
 from rclpy.signals import (
     SignalHandlerOptions,
@@ -46,16 +50,12 @@ __all__ = [
 
 
 # Here without being imported by the program, as in rclpy, where it costs no time to load them.
-_FOUND_IN = {"Future": "rclpy.task", "Parameter": "rclpy.parameter"}
+_NAMES = also_here(__name__, {"rclpy.parameter": "Parameter", "rclpy.task": "Future"})
 _MODULES = ("guard_condition", "impl", "parameter", "task")
 
 
 def __getattr__(name: str) -> Any:
-    if name in _FOUND_IN:
-        return getattr(import_module(_FOUND_IN[name]), name)
-    if name in _MODULES:
-        return import_module(f"rclpy.{name}")
-    raise AttributeError(f"module 'rclpy' has no attribute {name!r}")
+    return import_module(f"rclpy.{name}") if name in _MODULES else _NAMES(name)
 
 
 def init(
@@ -78,35 +78,44 @@ def init(
     signal_handler_options : SignalHandlerOptions, optional
         By default SIGINT and SIGTERM are handled for the default context, and nothing for others.
     """
-    context = get_default_context() if context is None else context
+    default = get_default_context()
+    chosen = context or default
+    chosen.init(args, domain_id=domain_id)
     if signal_handler_options is None:
-        is_default = context is get_default_context()
-        signal_handler_options = SignalHandlerOptions.ALL if is_default else SignalHandlerOptions.NO
-    context.init(args, domain_id=domain_id)
+        handles_signals = chosen is default
+        options = SignalHandlerOptions.ALL if handles_signals else SignalHandlerOptions.NO
+        signal_handler_options = options
     install_signal_handlers(signal_handler_options)
 
 
-_global_executor: Executor | None = None
+class _GlobalExecutor:
+    """The executor of the spin functions; gone with its context, made again when asked for."""
+
+    executor: Executor | None = None
+
+    def get(self) -> Executor:
+        if self.executor is None:
+            from rclpy.executors import SingleThreadedExecutor
+
+            self.executor = SingleThreadedExecutor()
+            # A signal may have shut the context down by now: then this forgets at once.
+            made = self.executor
+            get_default_context().on_shutdown(self.forget)
+            return made
+        return self.executor
+
+    def forget(self) -> None:
+        executor, self.executor = self.executor, None
+        if executor is not None:
+            executor.shutdown()
+
+
+_global = _GlobalExecutor()
 
 
 def get_global_executor() -> Executor:
     """Return the executor of the module's spin functions."""
-    global _global_executor
-    executor = _global_executor
-    if executor is None:
-        from rclpy.executors import SingleThreadedExecutor
-
-        executor = _global_executor = SingleThreadedExecutor()
-
-        def reset() -> None:
-            global _global_executor
-            if _global_executor is not None:
-                _global_executor.shutdown()
-            _global_executor = None
-
-        # A signal may have shut the context down by now: then this resets at once.
-        get_default_context().on_shutdown(reset)
-    return executor
+    return _global.get()
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
@@ -159,6 +168,27 @@ def create_node(
     )
 
 
+@contextmanager
+def _serving(node: Node, executor: Executor | None, *, even_if_there: bool) -> Iterator[Executor]:
+    """Have an executor serve a node for the time of a ``with`` block.
+
+    Parameters
+    ----------
+    node : Node
+    executor : Executor or None
+        None: the global one.
+    even_if_there : bool
+        Whether a node that the executor served before leaves it, too.
+    """
+    chosen = executor or get_global_executor()
+    is_new = chosen.add_node(node)
+    try:
+        yield chosen
+    finally:
+        if is_new or even_if_there:
+            chosen.remove_node(node)
+
+
 def spin_once(
     node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None
 ) -> None:
@@ -167,35 +197,27 @@ def spin_once(
     Parameters
     ----------
     node : Node
-        Added to the executor for this call.
+        Added to the executor, and removed at the end.
     executor : Executor, optional
         The global one by default.
     timeout_sec : float, optional
         None or negative: for ever; 0: do not wait.
     """
-    executor = get_global_executor() if executor is None else executor
-    try:
-        executor.add_node(node)
-        executor.spin_once(timeout_sec=timeout_sec)
-    finally:
-        executor.remove_node(node)
+    with _serving(node, executor, even_if_there=True) as chosen:
+        chosen.spin_once(timeout_sec=timeout_sec)
 
 
 def spin(node: Node, executor: Executor | None = None) -> None:
-    """Run callbacks until the context is shut down.
+    """Run callbacks until the context is shut down. The node is removed from the executor then.
 
     Raises
     ------
     ExternalShutdownException
         If the context is shut down by a signal or another thread while this waits.
     """
-    executor = get_global_executor() if executor is None else executor
-    try:
-        executor.add_node(node)
-        while executor.context.ok():
-            executor.spin_once()
-    finally:
-        executor.remove_node(node)
+    with _serving(node, executor, even_if_there=True) as chosen:
+        while chosen.context.ok():
+            chosen.spin_once()
 
 
 def spin_until_future_complete(
@@ -204,12 +226,9 @@ def spin_until_future_complete(
     executor: Executor | None = None,
     timeout_sec: float | None = None,
 ) -> None:
-    """Run callbacks until a future is done, the context is shut down or a timeout is over."""
-    executor = get_global_executor() if executor is None else executor
-    node_added = False
-    try:
-        node_added = executor.add_node(node)
-        executor.spin_until_future_complete(future, timeout_sec)
-    finally:
-        if node_added:
-            executor.remove_node(node)
+    """Run callbacks until a future is done, the context is shut down or a timeout is over.
+
+    A node that the executor served before stays with it.
+    """
+    with _serving(node, executor, even_if_there=False) as chosen:
+        chosen.spin_until_future_complete(future, timeout_sec)

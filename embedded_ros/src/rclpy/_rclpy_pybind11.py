@@ -9,6 +9,7 @@ from embedded_ros.errors import (
     UnknownROSArgsError,
     UnsupportedEventTypeError,
 )
+from embedded_ros.public_names import shown_in
 
 __all__ = [
     "InvalidHandle",
@@ -19,3 +20,14 @@ __all__ = [
     "UnknownROSArgsError",
     "UnsupportedEventTypeError",
 ]
+
+shown_in(
+    __name__,
+    InvalidHandle,
+    NodeNameNonExistentError,
+    RCLError,
+    RCLInvalidROSArgsError,
+    RMWError,
+    UnknownROSArgsError,
+    UnsupportedEventTypeError,
+)

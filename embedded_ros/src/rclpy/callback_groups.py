@@ -1,7 +1,7 @@
 """Which callbacks may run at the same time."""
 
+import threading
 import weakref
-from threading import Lock
 from typing import Any
 
 __all__ = ["CallbackGroup", "MutuallyExclusiveCallbackGroup", "ReentrantCallbackGroup"]
@@ -11,6 +11,7 @@ class CallbackGroup:
     """Base of the groups that control whether callbacks run in parallel."""
 
     def __init__(self) -> None:
+        #: Members, held weakly.
         self.entities: set[weakref.ref[Any]] = set()
 
     def add_entity(self, entity: Any) -> None:
@@ -54,23 +55,23 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
 
     def __init__(self) -> None:
         super().__init__()
-        self._active_entity: Any = None
-        self._lock = Lock()
+        # Held by whoever runs. A thread may give back what another one took.
+        self._right = threading.Lock()
+        self._holder: Any = None
 
     def can_execute(self, entity: Any) -> bool:  # noqa: ARG002
         """Tell whether the callback of an entity may run now."""
-        return self._active_entity is None
+        return not self._right.locked()
 
     def beginning_execution(self, entity: Any) -> bool:
         """Claim the right to run; False while another callback runs."""
-        with self._lock:
-            if self._active_entity is None:
-                self._active_entity = entity
-                return True
-        return False
+        is_granted = self._right.acquire(blocking=False)
+        if is_granted:
+            self._holder = entity
+        return is_granted
 
     def ending_execution(self, entity: Any) -> None:
         """Give the right back."""
-        with self._lock:
-            assert self._active_entity is entity
-            self._active_entity = None
+        assert self._holder is entity, f"{entity!r} does not run"
+        self._holder = None
+        self._right.release()

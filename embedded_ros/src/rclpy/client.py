@@ -3,63 +3,61 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable
 from typing import Any
 
+from embedded_ros.deadline import Deadline
+from embedded_ros.endpoints import Reader, Writer
 from embedded_ros.errors import RCLError
+from embedded_ros.futures import TaskRunner
 from embedded_ros.matching import wait_until_matched
-from embedded_ros.service_calls import ClientPorts
+from embedded_ros.service_calls import ClientPorts, ServiceAddress
 from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context
-from rclpy.exceptions import InvalidHandle
-from rclpy.qos import QoSProfile
 from rclpy.task import Future
 
 __all__ = ["Client"]
 
 
 class Client:
-    """Calls a service; made by :meth:`rclpy.node.Node.create_client`."""
+    """Calls a service; made by :meth:`rclpy.node.Node.create_client`.
+
+    Used after :meth:`destroy` it raises :class:`InvalidHandle`.
+    """
 
     def __init__(
         self,
         context: Context,
         ports: ClientPorts,
-        srv_type: type[Any],
-        srv_name: str,
-        service_name: str,
-        qos_profile: QoSProfile,
+        address: ServiceAddress,
         callback_group: CallbackGroup,
     ) -> None:
+        self.srv_type, self.srv_name, self._full_name, self.qos_profile = address
+        self.callback_group = callback_group
         self.context = context
         self._ports = ports
-        self._service_name = service_name
-        self.srv_type = srv_type
-        self.srv_name = srv_name
-        self.qos_profile = qos_profile
-        self.callback_group = callback_group
-        self._pending_requests: dict[int, Future[Any]] = {}
-        self._lock = threading.Lock()
-        self._sending = threading.Lock()
+        #: What a wait set watches.
+        self._wait_ref = ports.reader.condition
+        # Futures by the number of their request. Both locks are held for moments only: numbers must
+        # go out in the order in which they are given.
+        self._unanswered: dict[int, Future[Any]] = {}
+        self._table = threading.Lock()
+        self._wire = threading.Lock()
 
     @property
-    def _wait_ref(self) -> int:
-        """What a wait set watches."""
-        return self._ports.reader.condition
+    def _endpoints(self) -> tuple[Writer | Reader, ...]:
+        return self._ports.writer, self._ports.reader
 
-    def _take(self) -> tuple[Callable[..., Any], tuple[Any, ...]] | None:
-        taken = self._ports.take()
-        if taken is None:
+    def _take(
+        self, runner: TaskRunner | None = None
+    ) -> tuple[Callable[..., Any], tuple[Any, ...]] | None:
+        reply = self._ports.take()
+        if reply is None:
             return None
-        with self._lock:
-            future = self._pending_requests.get(taken[0])
-        return None if future is None else (future.set_result, (taken[1],))
-
-    def _checked(self) -> ClientPorts:
-        if self._ports.closed:
-            raise InvalidHandle
-        return self._ports
+        number, response = reply
+        with self._table:
+            future = self._unanswered.get(number)
+        return None if future is None else (_settle, (future, response, runner))
 
     def call(self, request: Any, timeout_sec: float | None = None) -> Any:
         """Call the service and block until the response is there.
@@ -79,9 +77,9 @@ class Client:
         """
         arrived = threading.Event()
         future = self.call_async(request)
-        future.add_done_callback(lambda _: arrived.set())
-        if not future.done() and not arrived.wait(timeout_sec):
-            self.remove_pending_request(future)
+        with future._waking(arrived.set):
+            if not (future.done() or arrived.wait(timeout_sec)):
+                self.remove_pending_request(future)
         return future.result()
 
     def call_async(self, request: Any) -> Future[Any]:
@@ -95,39 +93,38 @@ class Client:
         """
         if not isinstance(request, self.srv_type.Request):
             raise TypeError
-        ports = self._checked()
+        ports = self._ports.usable()
         if not self.context.ok():
             raise RCLError("Failed to send request: client's context is invalid")
         future: Future[Any] = Future()
 
-        def remember(number: int) -> None:
-            with self._lock:
-                self._pending_requests[number] = future
+        def expect_answer(number: int) -> None:
+            with self._table:
+                self._unanswered[number] = future
 
-        with self._sending:
-            ports.send(request, remember)
+        with self._wire:
+            ports.send(request, expect_answer)
         future.add_done_callback(self.remove_pending_request)
         return future
 
     def get_pending_request(self, sequence_number: int) -> Future[Any]:
         """Future of a request; ``KeyError`` if it is not pending."""
-        with self._lock:
-            return self._pending_requests[sequence_number]
+        with self._table:
+            return self._unanswered[sequence_number]
 
     def remove_pending_request(self, future: Future[Any]) -> None:
         """Forget a request: its response will be ignored."""
-        with self._lock:
-            for number, pending in self._pending_requests.items():
-                if pending is future:
-                    del self._pending_requests[number]
-                    break
+        with self._table:
+            numbers = [number for number, each in self._unanswered.items() if each is future]
+            for number in numbers:
+                del self._unanswered[number]
 
     def service_is_ready(self) -> bool:
         """Tell whether there is a server; ``RCLError`` after the shutdown of the context."""
-        ports = self._checked()
-        if not self.context.ok():
-            raise RCLError("failed to check service availability: rcl node's context is invalid")
-        return ports.server_is_matched()
+        ports = self._ports.usable()
+        if self.context.ok():
+            return ports.server_is_matched()
+        raise RCLError("failed to check service availability: rcl node's context is invalid")
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
         """Wait for a server.
@@ -147,21 +144,23 @@ class Client:
         RCLError
             If the context is shut down meanwhile.
         """
-        deadline = None if timeout_sec is None else time.monotonic() + timeout_sec
-        ports = self._checked()
-        session = self.context.handle
-        if session is not None:
-            wait_until_matched(
-                session, [ports.writer, ports.reader], ports.server_is_matched, deadline
-            )
+        ports = self._ports.usable()
+        limit = Deadline(None if timeout_sec is None else max(0.0, timeout_sec))
+        if self.context.handle is not None:
+            wait_until_matched(self.context.handle, self._endpoints, ports.server_is_matched, limit)
         return self.service_is_ready()
 
     @property
     def service_name(self) -> str:
         """Service after expansion and remapping."""
-        self._checked()
-        return self._service_name
+        self._ports.usable()
+        return self._full_name
 
     def destroy(self) -> None:
         """Delete the client. Again is fine."""
         self._ports.close()
+
+
+def _settle(future: Future[Any], response: Any, runner: TaskRunner | None) -> None:
+    future._run_followers_in(runner)
+    future.set_result(response)

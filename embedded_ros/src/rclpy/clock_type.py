@@ -1,13 +1,8 @@
 """Kinds of clocks."""
 
-from enum import IntEnum
+from embedded_ros.public_names import shown_in
+from embedded_ros.time_point import ClockType
 
+__all__ = ["ClockType"]
 
-class ClockType(IntEnum):
-    """What a clock counts."""
-
-    UNINITIALIZED = 0
-    #: Simulated time if a time source provides it, else system time.
-    ROS_TIME = 1
-    SYSTEM_TIME = 2
-    STEADY_TIME = 3
+shown_in(__name__, ClockType)

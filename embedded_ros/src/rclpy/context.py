@@ -11,6 +11,8 @@ from inspect import ismethod
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from embedded_ros import log_output
+from embedded_ros.argument_encoding import check_encoding
 from embedded_ros.errors import RCLError, RCLInvalidROSArgsError
 from embedded_ros.ros_arguments import NO_ARGUMENTS, RosArguments, parse_arguments
 
@@ -28,11 +30,12 @@ class Context:
     """
 
     def __init__(self) -> None:
-        # Reentrant: a callback of the shutdown may ask whether the context is ok.
-        self._lock = threading.RLock()
-        self._callbacks: list[Callable[[], Callable[[], Any] | None]] = []
+        #: What the command line says, for all nodes of the context.
+        self.arguments: RosArguments = NO_ARGUMENTS
         self._session: Session | None = None
-        self._arguments: RosArguments = NO_ARGUMENTS
+        # Reentrant: a callback of the shutdown may ask whether the context is ok.
+        self._changing = threading.RLock()
+        self._farewells: list[Callable[[], Callable[[], Any] | None]] = []
 
     @property
     def handle(self) -> Session | None:
@@ -56,77 +59,78 @@ class Context:
             Whether to set logger levels from `args`.
         domain_id : int, optional
             ``ROS_DOMAIN_ID`` by default, or 0.
+
+        Raises
+        ------
+        RuntimeError
+            If the domain id is negative or the context was initialized before.
+        RCLInvalidROSArgsError
+            If a ROS argument is malformed.
+        UnicodeEncodeError
+            If an argument is not UTF-8.
         """
         # Cyclone DDS is loaded here, so that ``import rclpy`` is quick.
         from embedded_ros import interrupts
         from embedded_ros.domain import domain_id_from
         from embedded_ros.session import Session
-        from rclpy import logging
 
-        with self._lock:
+        with self._changing:
             if domain_id is not None and domain_id < 0:
                 raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
             if self._session is not None:
                 raise RuntimeError("Context.init() must only be called once")
-            try:
-                arguments = parse_arguments(sys.argv if args is None else args)
-            except RCLInvalidROSArgsError as error:
-                raise RCLInvalidROSArgsError(f"failed to initialize rcl: {error}") from None
-            chosen = (
-                domain_id_from(os.environ.get("ROS_DOMAIN_ID")) if domain_id is None else domain_id
-            )
-            self._session = Session(chosen, arguments.enclave)
-            self._arguments = arguments
+            arguments = _parsed(sys.argv if args is None else args)
+            if domain_id is None:
+                domain_id = domain_id_from(os.environ.get("ROS_DOMAIN_ID"))
+            session = self._session = Session(domain_id, arguments.enclave)
+            self.arguments = arguments
             if initialize_logging:
-                logging.configure(arguments)
-        interrupts.watch(self._session)
+                _configure_logging(arguments)
+        interrupts.watch(session)
 
     def ok(self) -> bool:
         """Tell whether the context is initialized and not shut down."""
-        session = self._session
-        return session is not None and session.valid
+        return self._session is not None and self._session.valid
+
+    def _initialized(self, to: str) -> Session:
+        if self._session is None:
+            raise RuntimeError(f"Context must be initialized before it can {to}")
+        return self._session
 
     def shutdown(self) -> None:
         """Shut down: all that spins or waits in this context returns.
 
         Raises
         ------
+        RuntimeError
+            If the context is not initialized.
         RCLError
-            If the context is shut down already.
+            If it is shut down already.
         """
-        if self._session is None:
-            raise RuntimeError("Context must be initialized before it can be shutdown")
-        with self._lock:
-            if not self._session.valid:
+        session = self._initialized("be shutdown")
+        with self._changing:
+            if not session.valid:
                 raise RCLError(
                     "failed to shutdown: rcl_shutdown already called on the given context"
                 )
-            self._shut_down(self._session)
+            self._end(session)
 
     def try_shutdown(self) -> None:
         """Shut down, unless that has happened."""
-        session = self._session
-        if session is None:
-            return
-        with self._lock:
-            if session.valid:
-                self._shut_down(session)
-            else:
-                # A signal has invalidated it, which calls nobody: that is made up for here.
-                self._call_back_and_leave(session)
+        if self._session is not None:
+            with self._changing:
+                self._end(self._session)
 
-    def _shut_down(self, session: Session) -> None:
-        session.invalidate()
-        self._call_back_and_leave(session)
-
-    def _call_back_and_leave(self, session: Session) -> None:
+    def _end(self, session: Session) -> None:
         from embedded_ros import interrupts
 
-        callbacks, self._callbacks = self._callbacks, []
-        for reference in callbacks:
-            callback = reference()
-            if callback is not None:
-                callback()
+        # A signal may have done this part, which calls nobody.
+        if session.valid:
+            session.invalidate()
+        while self._farewells:
+            farewell = self._farewells.pop(0)()
+            if farewell is not None:
+                farewell()
         interrupts.unwatch(session)
         session.close_if_unused()
 
@@ -137,19 +141,17 @@ class Context:
         """
         if not callable(callback):
             raise TypeError(f"callback should be a callable, got {type(callback)}")
-        with self._lock:
-            if self._session is not None and not self._session.valid:
-                callback()
-            elif ismethod(callback):
-                self._callbacks.append(weakref.WeakMethod(callback))
-            else:
-                self._callbacks.append(lambda: callback)
+        with self._changing:
+            is_over = self._session is not None and not self._session.valid
+            if not is_over:
+                held = weakref.WeakMethod(callback) if ismethod(callback) else lambda: callback
+                self._farewells.append(held)
+        if is_over:
+            callback()
 
     def get_domain_id(self) -> int:
         """Domain of the context."""
-        if self._session is None:
-            raise RuntimeError("Context must be initialized before it can have a domain id")
-        return self._session.domain_id
+        return self._initialized("have a domain id").domain_id
 
     def destroy(self) -> None:
         """Leave the network, whatever nodes there still are."""
@@ -168,3 +170,17 @@ class Context:
         exc_tb: TracebackType | None,
     ) -> None:
         self.try_shutdown()
+
+
+def _parsed(words: list[str]) -> RosArguments:
+    check_encoding(words)
+    try:
+        return parse_arguments(words)
+    except RCLInvalidROSArgsError as error:
+        raise RCLInvalidROSArgsError(f"failed to initialize rcl: {error}") from None
+
+
+def _configure_logging(arguments: RosArguments) -> None:
+    for name, level in arguments.log_levels:
+        log_output.set_level(name, level)
+    log_output.set_stderr_enabled("--disable-stdout-logs" not in arguments.switches)

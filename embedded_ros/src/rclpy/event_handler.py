@@ -1,8 +1,7 @@
 """Callbacks for what happens to publishers and subscriptions besides messages."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from embedded_ros import endpoint_events
@@ -38,8 +37,10 @@ QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
 QoSSubscriptionMatchedInfo = QoSPublisherMatchedInfo
 
 _Callbacks = dict[endpoint_events.Status, Callable[[Any], Any]]
+_Table = dict[endpoint_events.Status, Callable[[Any], Any] | None]
 
 
+@dataclass(kw_only=True, eq=False)
 class SubscriptionEventCallbacks:
     """Callbacks for events of a subscription.
 
@@ -59,38 +60,26 @@ class SubscriptionEventCallbacks:
     use_default_callbacks : bool
     """
 
-    def __init__(
-        self,
-        *,
-        deadline: Callable[[QoSRequestedDeadlineMissedInfo], Any] | None = None,
-        incompatible_qos: Callable[[QoSRequestedIncompatibleQoSInfo], Any] | None = None,
-        liveliness: Callable[[QoSLivelinessChangedInfo], Any] | None = None,
-        message_lost: Callable[[QoSMessageLostInfo], Any] | None = None,
-        incompatible_type: Callable[[IncompatibleTypeInfo], Any] | None = None,
-        matched: Callable[[QoSSubscriptionMatchedInfo], Any] | None = None,
-        use_default_callbacks: bool = True,
-    ) -> None:
-        self.deadline = deadline
-        self.incompatible_qos = incompatible_qos
-        self.liveliness = liveliness
-        self.message_lost = message_lost
-        self.incompatible_type = incompatible_type
-        self.matched = matched
-        self.use_default_callbacks = use_default_callbacks
+    deadline: Callable[[QoSRequestedDeadlineMissedInfo], Any] | None = None
+    incompatible_qos: Callable[[QoSRequestedIncompatibleQoSInfo], Any] | None = None
+    liveliness: Callable[[QoSLivelinessChangedInfo], Any] | None = None
+    message_lost: Callable[[QoSMessageLostInfo], Any] | None = None
+    incompatible_type: Callable[[IncompatibleTypeInfo], Any] | None = None
+    matched: Callable[[QoSSubscriptionMatchedInfo], Any] | None = None
+    use_default_callbacks: bool = True
 
     def _by_status(self, logger: RcutilsLogger, topic_name: str) -> _Callbacks:
-        def warn(event: QoSRequestedIncompatibleQoSInfo) -> None:
-            logger.warning(
-                f"New publisher discovered on topic '{topic_name}', offering incompatible QoS. "
-                "No messages will be received from it. "
-                f"Last incompatible policy: {qos_policy_name_from_kind(event.last_policy_kind)}"
-            )
-
-        default = warn if self.use_default_callbacks else None
+        text = (
+            f"New publisher discovered on topic '{topic_name}', offering incompatible QoS. "
+            "No messages will be received from it."
+        )
+        incompatible = self.incompatible_qos
+        if incompatible is None and self.use_default_callbacks:
+            incompatible = _warning(logger, text)
         return _given(
             {
                 endpoint_events.REQUESTED_DEADLINE_MISSED: self.deadline,
-                endpoint_events.REQUESTED_INCOMPATIBLE_QOS: self.incompatible_qos or default,
+                endpoint_events.REQUESTED_INCOMPATIBLE_QOS: incompatible,
                 endpoint_events.LIVELINESS_CHANGED: self.liveliness,
                 endpoint_events.MESSAGE_LOST: self.message_lost,
                 endpoint_events.SUBSCRIPTION_MATCHED: self.matched,
@@ -98,6 +87,7 @@ class SubscriptionEventCallbacks:
         )
 
 
+@dataclass(kw_only=True, eq=False)
 class PublisherEventCallbacks:
     """Callbacks for events of a publisher.
 
@@ -116,41 +106,38 @@ class PublisherEventCallbacks:
     use_default_callbacks : bool
     """
 
-    def __init__(
-        self,
-        *,
-        deadline: Callable[[QoSOfferedDeadlineMissedInfo], Any] | None = None,
-        liveliness: Callable[[QoSLivelinessLostInfo], Any] | None = None,
-        incompatible_qos: Callable[[QoSOfferedIncompatibleQoSInfo], Any] | None = None,
-        incompatible_type: Callable[[IncompatibleTypeInfo], Any] | None = None,
-        matched: Callable[[QoSPublisherMatchedInfo], Any] | None = None,
-        use_default_callbacks: bool = True,
-    ) -> None:
-        self.deadline = deadline
-        self.liveliness = liveliness
-        self.incompatible_qos = incompatible_qos
-        self.incompatible_type = incompatible_type
-        self.matched = matched
-        self.use_default_callbacks = use_default_callbacks
+    deadline: Callable[[QoSOfferedDeadlineMissedInfo], Any] | None = None
+    liveliness: Callable[[QoSLivelinessLostInfo], Any] | None = None
+    incompatible_qos: Callable[[QoSOfferedIncompatibleQoSInfo], Any] | None = None
+    incompatible_type: Callable[[IncompatibleTypeInfo], Any] | None = None
+    matched: Callable[[QoSPublisherMatchedInfo], Any] | None = None
+    use_default_callbacks: bool = True
 
     def _by_status(self, logger: RcutilsLogger, topic_name: str) -> _Callbacks:
-        def warn(event: QoSOfferedIncompatibleQoSInfo) -> None:
-            logger.warning(
-                f"New subscription discovered on topic '{topic_name}', "
-                "requesting incompatible QoS. No messages will be sent to it. "
-                f"Last incompatible policy: {qos_policy_name_from_kind(event.last_policy_kind)}"
-            )
-
-        default = warn if self.use_default_callbacks else None
+        text = (
+            f"New subscription discovered on topic '{topic_name}', requesting incompatible QoS. "
+            "No messages will be sent to it."
+        )
+        incompatible = self.incompatible_qos
+        if incompatible is None and self.use_default_callbacks:
+            incompatible = _warning(logger, text)
         return _given(
             {
                 endpoint_events.OFFERED_DEADLINE_MISSED: self.deadline,
                 endpoint_events.LIVELINESS_LOST: self.liveliness,
-                endpoint_events.OFFERED_INCOMPATIBLE_QOS: self.incompatible_qos or default,
+                endpoint_events.OFFERED_INCOMPATIBLE_QOS: incompatible,
                 endpoint_events.PUBLICATION_MATCHED: self.matched,
             }
         )
 
 
-def _given(callbacks: dict[endpoint_events.Status, Callable[[Any], Any] | None]) -> _Callbacks:
-    return {status: callback for status, callback in callbacks.items() if callback is not None}
+def _warning(logger: RcutilsLogger, text: str) -> Callable[[Any], None]:
+    def warn(event: QoSRequestedIncompatibleQoSInfo) -> None:
+        policy = qos_policy_name_from_kind(event.last_policy_kind)
+        logger.warning(f"{text} Last incompatible policy: {policy}")
+
+    return warn
+
+
+def _given(table: _Table) -> _Callbacks:
+    return {status: callback for status, callback in table.items() if callback is not None}

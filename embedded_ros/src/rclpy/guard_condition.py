@@ -4,9 +4,10 @@ from collections.abc import Callable
 from typing import Any
 
 from embedded_ros import cyclone
+from embedded_ros.errors import InvalidHandle, NotInitializedException
+from embedded_ros.futures import TaskRunner
 from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context
-from rclpy.exceptions import InvalidHandle, NotInitializedException
 from rclpy.utilities import get_default_context
 
 __all__ = ["GuardCondition"]
@@ -24,30 +25,30 @@ class GuardCondition:
         callback_group: CallbackGroup | None,
         context: Context | None = None,
     ) -> None:
-        self._context = get_default_context() if context is None else context
-        if self._context.handle is None:
+        session = (context or get_default_context()).handle
+        if session is None:
             raise NotInitializedException
-        self._condition = cyclone.GuardCondition(self._context.handle.ref)
-        self._destroyed = False
-        self.callback = callback
+        self._trigger: cyclone.GuardCondition | None = cyclone.GuardCondition(session.ref)
+        #: What a wait set watches.
+        self._wait_ref: int = self._trigger.ref
         self.callback_group = callback_group
+        self.callback = callback
 
-    @property
-    def _wait_ref(self) -> int:
-        """What a wait set watches."""
-        return self._condition.ref
-
-    def _take(self) -> Callable[[], Any] | None:
-        return self.callback if self._condition.clear() else None
+    def _take(
+        self, _runner: TaskRunner | None = None
+    ) -> tuple[Callable[[], Any], tuple[()]] | None:
+        if self._trigger is None or not self._trigger.clear() or self.callback is None:
+            return None
+        return self.callback, ()
 
     def trigger(self) -> None:
         """Have the callback run."""
-        if self._destroyed:
+        if self._trigger is None:
             raise InvalidHandle
-        self._condition.set()
+        self._trigger.set()
 
     def destroy(self) -> None:
         """Delete the condition. Again is fine."""
-        if not self._destroyed:
-            self._destroyed = True
-            self._condition.close()
+        trigger, self._trigger = self._trigger, None
+        if trigger is not None:
+            trigger.close()

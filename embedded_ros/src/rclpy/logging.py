@@ -1,7 +1,6 @@
 """Loggers by name, and their levels."""
 
 from embedded_ros import log_output
-from embedded_ros.ros_arguments import RosArguments
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
@@ -54,10 +53,3 @@ def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
         return LoggingSeverity[log_severity.upper()]
     except KeyError:
         raise RuntimeError(f"failed to get log severity from {log_severity!r}") from None
-
-
-def configure(arguments: RosArguments) -> None:
-    """Set levels and outputs as the command line says."""
-    for name, level in arguments.log_levels:
-        log_output.set_level(name, level)
-    log_output.set_stderr_enabled("--disable-stdout-logs" not in arguments.switches)

@@ -2,45 +2,46 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import rclpy.logging
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
+from embedded_ros.message_classes import message_class
+from embedded_ros.serving import ServingNode
 
 __all__ = ["LoggingService"]
 
 
 class LoggingService:
-    """The services ``get_logger_levels`` and ``set_logger_levels`` of a node."""
+    """The services ``get_logger_levels`` and ``set_logger_levels`` of a node.
 
-    def __init__(self, node: Node) -> None:
-        from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
+    They reach all loggers of the process, whatever node they belong to.
+    """
 
-        name = node.get_name()
-        node.create_service(GetLoggerLevels, f"{name}/get_logger_levels", self._get_logger_levels)
-        node.create_service(SetLoggerLevels, f"{name}/set_logger_levels", self._set_logger_levels)
+    def __init__(self, node: ServingNode) -> None:
+        from rcl_interfaces import srv
 
-    def _get_logger_levels(self, request: Any, response: Any) -> Any:
-        from rcl_interfaces.msg import LoggerLevel
+        for name, service, answer in (
+            ("get_logger_levels", srv.GetLoggerLevels, _get_levels),
+            ("set_logger_levels", srv.SetLoggerLevels, _set_levels),
+        ):
+            node.create_service(service, f"{node.get_name()}/{name}", answer)
 
-        response.levels = [
-            LoggerLevel(name=name, level=int(rclpy.logging.get_logger_level(name)))
-            for name in request.names
-        ]
-        return response
 
-    def _set_logger_levels(self, request: Any, response: Any) -> Any:
-        from rcl_interfaces.msg import SetLoggerLevelsResult
+def _get_levels(request: Any, response: Any) -> Any:
+    level = message_class("rcl_interfaces/msg/LoggerLevel")
+    for name in request.names:
+        response.levels.append(level(name=name, level=rclpy.logging.get_logger_level(name).value))
+    return response
 
-        for level in request.levels:
-            result = SetLoggerLevelsResult(successful=True)
-            try:
-                rclpy.logging.set_logger_level(level.name, level.level, detailed_error=True)
-            except ValueError:
-                result = SetLoggerLevelsResult(
-                    successful=False, reason="Failed reason: Invalid logger level."
-                )
-            response.results.append(result)
-        return response
+
+def _set_levels(request: Any, response: Any) -> Any:
+    response.results = [_set_level(wish.name, wish.level) for wish in request.levels]
+    return response
+
+
+def _set_level(name: str, level: int) -> Any:
+    result = message_class("rcl_interfaces/msg/SetLoggerLevelsResult")
+    if level not in tuple(rclpy.logging.LoggingSeverity):
+        return result(successful=False, reason="Failed reason: Invalid logger level.")
+    rclpy.logging.set_logger_level(name, level)
+    return result(successful=True)

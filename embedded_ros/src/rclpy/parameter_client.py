@@ -4,23 +4,37 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rclpy.callback_groups import CallbackGroup
-from rclpy.client import Client
-from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
 from rclpy.qos import QoSProfile, qos_profile_parameter_events, qos_profile_services_default
-from rclpy.qos_overriding_options import QoSOverridingOptions
-from rclpy.subscription import Subscription
-from rclpy.task import Future
+
+if TYPE_CHECKING:
+    from rclpy.callback_groups import CallbackGroup
+    from rclpy.client import Client
+    from rclpy.event_handler import SubscriptionEventCallbacks
+    from rclpy.node import Node
+    from rclpy.qos_overriding_options import QoSOverridingOptions
+    from rclpy.subscription import Subscription
+    from rclpy.task import Future
 
 __all__ = ["AsyncParameterClient"]
+
+#: Types of the services by their names below a node, in the order in which they are waited for.
+_SERVICES = {
+    "list_parameters": "ListParameters",
+    "set_parameters": "SetParameters",
+    "get_parameters": "GetParameters",
+    "get_parameter_types": "GetParameterTypes",
+    "describe_parameters": "DescribeParameters",
+    "set_parameters_atomically": "SetParametersAtomically",
+}
 
 
 class AsyncParameterClient:
     """Reads and sets the parameters of a remote node; every answer is a future.
+
+    Each question may have a `callback`, which is called with the future when the answer is there.
 
     Parameters
     ----------
@@ -30,6 +44,11 @@ class AsyncParameterClient:
         Node that is asked.
     qos_profile : QoSProfile
     callback_group : CallbackGroup, optional
+
+    Attributes
+    ----------
+    node : Node
+    remote_node_name : str
     """
 
     def __init__(
@@ -41,48 +60,40 @@ class AsyncParameterClient:
     ) -> None:
         from rcl_interfaces import srv
 
-        self.remote_node_name = remote_node_name
         self.node = node
-
-        def client(service: Any, name: str) -> Client:
-            return node.create_client(
-                service,
+        self.remote_node_name = remote_node_name
+        self._clients: dict[str, Client] = {
+            name: node.create_client(
+                getattr(srv, type_name),
                 f"{remote_node_name}/{name}",
                 qos_profile=qos_profile,
                 callback_group=callback_group,
             )
+            for name, type_name in _SERVICES.items()
+        }
 
-        self._get_parameter_client = client(srv.GetParameters, "get_parameters")
-        self._list_parameter_client = client(srv.ListParameters, "list_parameters")
-        self._set_parameter_client = client(srv.SetParameters, "set_parameters")
-        self._get_parameter_types_client = client(srv.GetParameterTypes, "get_parameter_types")
-        self._describe_parameters_client = client(srv.DescribeParameters, "describe_parameters")
-        self._set_parameters_atomically_client = client(
-            srv.SetParametersAtomically, "set_parameters_atomically"
-        )
-
-    def _clients(self) -> list[Client]:
-        return [
-            self._list_parameter_client,
-            self._set_parameter_client,
-            self._get_parameter_client,
-            self._get_parameter_types_client,
-            self._describe_parameters_client,
-            self._set_parameters_atomically_client,
-        ]
+    def _ask(
+        self, service: str, callback: Callable[[Future[Any]], Any] | None, **fields: Any
+    ) -> Future[Any]:
+        client = self._clients[service]
+        answer = client.call_async(client.srv_type.Request(**fields))
+        if callback is not None:
+            answer.add_done_callback(callback)
+        return answer
 
     def services_are_ready(self) -> bool:
         """Tell whether the remote node serves all its parameter services."""
-        return all(client.service_is_ready() for client in self._clients())
+        return all(client.service_is_ready() for client in self._clients.values())
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:
         """Wait for the services, for ever by default; tell whether they are there."""
-        deadline = None if timeout_sec is None else time.monotonic() + timeout_sec
-        for client in self._clients():
-            left = None if deadline is None else max(0.0, deadline - time.monotonic())
-            if not client.wait_for_service(left):
-                return False
-        return True
+        if timeout_sec is None:
+            return all(client.wait_for_service() for client in self._clients.values())
+        end = time.monotonic() + timeout_sec
+        return all(
+            client.wait_for_service(max(0.0, end - time.monotonic()))
+            for client in self._clients.values()
+        )
 
     def list_parameters(
         self,
@@ -91,16 +102,13 @@ class AsyncParameterClient:
         callback: Callable[[Future[Any]], Any] | None = None,
     ) -> Future[Any]:
         """Ask for names; the future gives a ``ListParameters.Response``."""
-        client = self._list_parameter_client
-        request = client.srv_type.Request(prefixes=prefixes or [], depth=depth or 0)
-        return _call(client, request, callback)
+        return self._ask("list_parameters", callback, prefixes=prefixes or [], depth=depth or 0)
 
     def get_parameters(
         self, names: list[str], callback: Callable[[Future[Any]], Any] | None = None
     ) -> Future[Any]:
         """Ask for values; the future gives a ``GetParameters.Response``."""
-        client = self._get_parameter_client
-        return _call(client, client.srv_type.Request(names=names), callback)
+        return self._ask("get_parameters", callback, names=names)
 
     def set_parameters(
         self,
@@ -113,10 +121,8 @@ class AsyncParameterClient:
         ----------
         parameters : sequence of Parameter or rcl_interfaces.msg.Parameter
         callback : callable, optional
-            Called when the answer is there.
         """
-        client = self._set_parameter_client
-        return _call(client, client.srv_type.Request(parameters=_messages(parameters)), callback)
+        return self._ask("set_parameters", callback, parameters=_messages(parameters))
 
     def set_parameters_atomically(
         self,
@@ -124,22 +130,19 @@ class AsyncParameterClient:
         callback: Callable[[Future[Any]], Any] | None = None,
     ) -> Future[Any]:
         """Set all or none; the future gives a ``SetParametersAtomically.Response``."""
-        client = self._set_parameters_atomically_client
-        return _call(client, client.srv_type.Request(parameters=_messages(parameters)), callback)
+        return self._ask("set_parameters_atomically", callback, parameters=_messages(parameters))
 
     def describe_parameters(
         self, names: list[str], callback: Callable[[Future[Any]], Any] | None = None
     ) -> Future[Any]:
         """Ask for descriptors; the future gives a ``DescribeParameters.Response``."""
-        client = self._describe_parameters_client
-        return _call(client, client.srv_type.Request(names=names), callback)
+        return self._ask("describe_parameters", callback, names=names)
 
     def get_parameter_types(
         self, names: list[str], callback: Callable[[Future[Any]], Any] | None = None
     ) -> Future[Any]:
         """Ask for types; the future gives a ``GetParameterTypes.Response``."""
-        client = self._get_parameter_types_client
-        return _call(client, client.srv_type.Request(names=names), callback)
+        return self._ask("get_parameter_types", callback, names=names)
 
     def delete_parameters(
         self, names: list[str], callback: Callable[[Future[Any]], Any] | None = None
@@ -154,8 +157,8 @@ class AsyncParameterClient:
         callback: Callable[[Future[Any]], Any] | None = None,
     ) -> Future[Any]:
         """Set what a parameter file holds, one by one."""
-        parameters = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
-        return self.set_parameters(list(parameters.values()), callback)
+        content = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
+        return self.set_parameters(list(content.values()), callback)
 
     def load_parameter_file_atomically(
         self,
@@ -164,8 +167,8 @@ class AsyncParameterClient:
         callback: Callable[[Future[Any]], Any] | None = None,
     ) -> Future[Any]:
         """Set what a parameter file holds, all or none."""
-        parameters = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
-        return self.set_parameters_atomically(list(parameters.values()), callback)
+        content = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
+        return self.set_parameters_atomically(list(content.values()), callback)
 
     def on_parameter_event(
         self,
@@ -190,15 +193,6 @@ class AsyncParameterClient:
             qos_overriding_options=qos_overriding_options,
             raw=raw,
         )
-
-
-def _call(
-    client: Client, request: Any, callback: Callable[[Future[Any]], Any] | None
-) -> Future[Any]:
-    future = client.call_async(request)
-    if callback is not None:
-        future.add_done_callback(callback)
-    return future
 
 
 def _messages(parameters: Sequence[Any]) -> list[Any]:

@@ -2,35 +2,29 @@
 
 from __future__ import annotations
 
-import threading
-from collections import defaultdict
 from collections.abc import Callable, Iterator
-from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rclpy.callback_groups import CallbackGroup
-from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.node import Node
+from embedded_ros.names import join
+from embedded_ros.parameter_reactions import (
+    ParameterCallbackHandle,
+    ParameterEventCallbackHandle,
+    Reactions,
+    parameter_in,
+    parameters_in,
+)
+from embedded_ros.public_names import shown_in
 from rclpy.qos import QoSProfile, qos_profile_parameter_events
-from rclpy.qos_overriding_options import QoSOverridingOptions
+
+if TYPE_CHECKING:
+    from rclpy.callback_groups import CallbackGroup
+    from rclpy.event_handler import SubscriptionEventCallbacks
+    from rclpy.node import Node
+    from rclpy.qos_overriding_options import QoSOverridingOptions
 
 __all__ = ["ParameterCallbackHandle", "ParameterEventCallbackHandle", "ParameterEventHandler"]
 
-
-class ParameterCallbackHandle:
-    """A registered callback for a parameter of a node."""
-
-    def __init__(self, parameter_name: str, node_name: str, callback: Callable[[Any], Any]) -> None:
-        self.parameter_name = parameter_name
-        self.node_name = node_name
-        self.callback = callback
-
-
-class ParameterEventCallbackHandle:
-    """A registered callback for events."""
-
-    def __init__(self, callback: Callable[[Any], Any]) -> None:
-        self.callback = callback
+shown_in(__name__, ParameterCallbackHandle, ParameterEventCallbackHandle)
 
 
 class ParameterEventHandler:
@@ -45,6 +39,12 @@ class ParameterEventHandler:
     event_callbacks : SubscriptionEventCallbacks, optional
     qos_overriding_options : QoSOverridingOptions, optional
     raw : bool
+
+    Attributes
+    ----------
+    node : Node
+    qos_profile : QoSProfile
+    parameter_event_subscription : Subscription
     """
 
     def __init__(
@@ -58,52 +58,32 @@ class ParameterEventHandler:
     ) -> None:
         from rcl_interfaces.msg import ParameterEvent
 
-        self.node = node
-        self.qos_profile = qos_profile
-        # Held while callbacks run, as in rclpy: one that adds or removes callbacks waits for ever.
-        self._lock = threading.Lock()
-        self._parameter_callbacks: defaultdict[tuple[str, str], list[ParameterCallbackHandle]] = (
-            defaultdict(list)
-        )
-        self._event_callbacks: list[ParameterEventCallbackHandle] = []
+        self._reactions = Reactions()
         self.parameter_event_subscription = node.create_subscription(
             ParameterEvent,
             "/parameter_events",
-            self._on_event,
+            self._reactions.call,
             qos_profile,
             callback_group=callback_group,
             event_callbacks=event_callbacks,
             qos_overriding_options=qos_overriding_options,
             raw=raw,
         )
+        self.node, self.qos_profile = node, qos_profile
 
     def destroy(self) -> None:
         """Stop calling back."""
         self.node.destroy_subscription(self.parameter_event_subscription)
 
-    def _on_event(self, event: Any) -> None:
-        with self._lock:
-            for (name, node_name), handles in self._parameter_callbacks.items():
-                parameter = self.get_parameter_from_event(event, name, node_name)
-                if parameter is not None:
-                    for handle in handles:
-                        handle.callback(parameter)
-            for event_handle in self._event_callbacks:
-                event_handle.callback(event)
-
     @staticmethod
     def get_parameter_from_event(event: Any, parameter_name: str, node_name: str) -> Any:
         """New or changed parameter of a node in an event; None if it is not there."""
-        if event.node == node_name:
-            for parameter in ParameterEventHandler.get_parameters_from_event(event):
-                if parameter.name == parameter_name:
-                    return parameter
-        return None
+        return parameter_in(event, parameter_name, node_name)
 
     @staticmethod
     def get_parameters_from_event(event: Any) -> Iterator[Any]:
         """New and changed parameters in an event."""
-        yield from chain(event.new_parameters, event.changed_parameters)
+        return parameters_in(event)
 
     def add_parameter_callback(
         self, parameter_name: str, node_name: str, callback: Callable[[Any], Any]
@@ -118,40 +98,24 @@ class ParameterEventHandler:
         callback : callable
             Takes an ``rcl_interfaces.msg.Parameter``. The newest callback is called first.
         """
-        handle = ParameterCallbackHandle(parameter_name, self._resolve(node_name), callback)
-        with self._lock:
-            self._parameter_callbacks[parameter_name, handle.node_name].insert(0, handle)
+        own_name = self.node.get_fully_qualified_name()
+        if node_name and not node_name.startswith("/"):
+            node_name = join(self.node.get_namespace(), node_name)
+        handle = ParameterCallbackHandle(parameter_name, node_name or own_name, callback)
+        self._reactions.add(handle)
         return handle
 
     def remove_parameter_callback(self, handle: ParameterCallbackHandle) -> None:
         """Undo :meth:`add_parameter_callback`; ``RuntimeError`` if that has happened."""
-        key = handle.parameter_name, handle.node_name
-        with self._lock:
-            if handle not in self._parameter_callbacks.get(key, ()):
-                raise RuntimeError("Callback doesn't exist")
-            self._parameter_callbacks[key].remove(handle)
-            if not self._parameter_callbacks[key]:
-                del self._parameter_callbacks[key]
+        self._reactions.remove(handle)
 
     def add_parameter_event_callback(
         self, callback: Callable[[Any], Any]
     ) -> ParameterEventCallbackHandle:
         """Have a function called with every ``rcl_interfaces.msg.ParameterEvent``."""
-        handle = ParameterEventCallbackHandle(callback)
-        with self._lock:
-            self._event_callbacks.insert(0, handle)
+        self._reactions.add(handle := ParameterEventCallbackHandle(callback))
         return handle
 
     def remove_parameter_event_callback(self, handle: ParameterEventCallbackHandle) -> None:
         """Undo :meth:`add_parameter_event_callback`; ``RuntimeError`` if that has happened."""
-        with self._lock:
-            if handle not in self._event_callbacks:
-                raise RuntimeError("Callback doesn't exist")
-            self._event_callbacks.remove(handle)
-
-    def _resolve(self, node_name: str) -> str:
-        if not node_name:
-            return self.node.get_fully_qualified_name()
-        if node_name.startswith("/"):
-            return node_name
-        return f"{self.node.get_namespace().rstrip('/')}/{node_name}"
+        self._reactions.remove(handle)

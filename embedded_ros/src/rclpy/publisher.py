@@ -1,27 +1,26 @@
 """Publishers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from embedded_ros import cyclone
 from embedded_ros.cdr import ENCAPSULATION, codec
+from embedded_ros.deadline import FOREVER
+from embedded_ros.endpoint_events import EndpointEvents
 from embedded_ros.endpoints import Writer
-from embedded_ros.errors import RCLError
+from embedded_ros.errors import InvalidHandle, RCLError
+from embedded_ros.session import Session
 from rclpy.duration import Duration
-from rclpy.exceptions import InvalidHandle
 from rclpy.qos import QoSProfile
-
-if TYPE_CHECKING:
-    from embedded_ros.endpoint_events import EndpointEvents
-    from embedded_ros.session import Session
 
 __all__ = ["Publisher"]
 
 
 class Publisher:
-    """Sends messages to a topic; made by :meth:`rclpy.node.Node.create_publisher`."""
+    """Sends messages to a topic; made by :meth:`rclpy.node.Node.create_publisher`.
+
+    Used after :meth:`destroy` it raises :class:`InvalidHandle`.
+    """
 
     def __init__(
         self,
@@ -32,15 +31,19 @@ class Publisher:
         topic_name: str,
         qos_profile: QoSProfile,
     ) -> None:
-        self._session = session
-        self._writer = writer
-        self._topic_name = topic_name
-        #: Callbacks for events, watched by executors; set by the node.
-        self._events: EndpointEvents | None = None
-        self._serialize: Callable[[Any, bytearray], None] = codec(msg_type._ros_type).write
         self.msg_type = msg_type
         self.topic = topic
         self.qos_profile = qos_profile
+        self._session = session
+        self._writer = writer
+        self._serialize: Callable[[Any, bytearray], None] = codec(msg_type._ros_type).write
+        self._full_name = topic_name
+        #: Callbacks for events, watched by executors; set by the node.
+        self._watched_events: EndpointEvents | None = None
+
+    @property
+    def _endpoints(self) -> tuple[Writer]:
+        return (self._writer,)
 
     def publish(self, msg: Any) -> None:
         """Send a message.
@@ -54,6 +57,8 @@ class Publisher:
         ------
         TypeError
             If `msg` is of another type, or a field holds what its type cannot.
+        RCLError
+            If the context is shut down.
         """
         if self._writer.closed:
             raise InvalidHandle
@@ -70,17 +75,17 @@ class Publisher:
 
     def get_subscription_count(self) -> int:
         """Number of matched subscriptions."""
-        return len(self._checked().matched_readers())
+        return len(self._writer.usable().matched_readers())
 
     @property
     def topic_name(self) -> str:
         """Topic after expansion and remapping."""
-        self._checked()
-        return self._topic_name
+        self._writer.usable()
+        return self._full_name
 
     def assert_liveliness(self) -> None:
         """Tell that the publisher lives, if its liveliness is manual."""
-        cyclone.assert_liveliness(self._checked().ref)
+        cyclone.assert_liveliness(self._writer.usable().ref)
 
     def wait_for_all_acked(self, timeout: Duration | None = None) -> bool:
         """Wait until the reliable subscriptions have acknowledged every message.
@@ -95,15 +100,9 @@ class Publisher:
         bool
             False if it did not happen in time.
         """
-        nanoseconds = -1 if timeout is None else timeout.nanoseconds
-        return cyclone.wait_for_acks(
-            self._checked().ref, cyclone.INFINITE if nanoseconds < 0 else nanoseconds
-        )
-
-    def _checked(self) -> Writer:
-        if self._writer.closed:
-            raise InvalidHandle
-        return self._writer
+        has_limit = timeout is not None and timeout.nanoseconds >= 0
+        limit = timeout.nanoseconds if timeout is not None and has_limit else FOREVER
+        return cyclone.wait_for_acks(self._writer.usable().ref, limit)
 
     def destroy(self) -> None:
         """Delete the publisher. Again is fine."""

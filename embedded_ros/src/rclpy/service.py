@@ -1,63 +1,69 @@
 """Service servers."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from types import CoroutineType
 from typing import Any
 
-from embedded_ros.service_calls import RequestHeader, ServerPorts
+from embedded_ros.endpoints import Reader, Writer
+from embedded_ros.futures import TaskRunner
+from embedded_ros.service_calls import RequestHeader, ServerPorts, ServiceAddress
 from rclpy.callback_groups import CallbackGroup
-from rclpy.exceptions import InvalidHandle
-from rclpy.qos import QoSProfile
 
 __all__ = ["Service"]
 
 
 class Service:
-    """Answers requests; made by :meth:`rclpy.node.Node.create_service`."""
+    """Answers requests; made by :meth:`rclpy.node.Node.create_service`.
+
+    Used after :meth:`destroy` it raises :class:`InvalidHandle`.
+    """
 
     def __init__(
         self,
         ports: ServerPorts,
-        srv_type: type[Any],
-        srv_name: str,
-        service_name: str,
+        address: ServiceAddress,
         callback: Callable[[Any, Any], Any],
         callback_group: CallbackGroup,
-        qos_profile: QoSProfile,
     ) -> None:
         self._ports = ports
-        self._service_name = service_name
-        self.srv_type = srv_type
-        self.srv_name = srv_name
+        #: What a wait set watches.
+        self._wait_ref = ports.reader.condition
+        self.srv_type, self.srv_name, self._full_name, self.qos_profile = address
         self.callback = callback
         self.callback_group = callback_group
-        self.qos_profile = qos_profile
 
     @property
-    def _wait_ref(self) -> int:
-        """What a wait set watches."""
-        return self._ports.reader.condition
+    def _endpoints(self) -> tuple[Writer | Reader, ...]:
+        return self._ports.writer, self._ports.reader
 
-    def _take(self) -> tuple[RequestHeader, Any] | None:
-        return self._ports.take()
+    def _take(
+        self, _runner: TaskRunner | None = None
+    ) -> tuple[Callable[..., Any], tuple[RequestHeader, Any]] | None:
+        call = self._ports.take()
+        return None if call is None else (self._serve, call)
+
+    def _serve(self, header: RequestHeader, request: Any) -> Coroutine[Any, Any, None] | None:
+        response = self.callback(request, self.srv_type.Response())
+        if response.__class__ is CoroutineType:
+            return self._serve_later(header, response)
+        self.send_response(response, header)
+        return None
+
+    async def _serve_later(self, header: RequestHeader, response: Any) -> None:
+        self.send_response(await response, header)
 
     def send_response(self, response: Any, header: RequestHeader) -> None:
         """Answer a request. The executor does it with what the callback returns."""
-        if not isinstance(response, self.srv_type.Response) or not isinstance(
-            header, RequestHeader
-        ):
+        if isinstance(response, self.srv_type.Response) and isinstance(header, RequestHeader):
+            self._ports.usable().send(header, response)
+        else:
             raise TypeError
-        if self._ports.closed:
-            raise InvalidHandle
-        self._ports.send(header, response)
 
     @property
     def service_name(self) -> str:
         """Service after expansion and remapping."""
-        if self._ports.closed:
-            raise InvalidHandle
-        return self._service_name
+        self._ports.usable()
+        return self._full_name
 
     def destroy(self) -> None:
         """Delete the service. Again is fine."""

@@ -1,7 +1,5 @@
 """Subscriptions."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable
 from enum import Enum
@@ -10,15 +8,18 @@ from typing import Any
 from embedded_ros.cdr import ENCAPSULATION, codec
 from embedded_ros.endpoint_events import EndpointEvents
 from embedded_ros.endpoints import Reader
+from embedded_ros.futures import TaskRunner
 from rclpy.callback_groups import CallbackGroup
-from rclpy.exceptions import InvalidHandle
 from rclpy.qos import QoSProfile
 
 __all__ = ["Subscription"]
 
 
 class Subscription:
-    """Receives messages of a topic; made by :meth:`rclpy.node.Node.create_subscription`."""
+    """Receives messages of a topic; made by :meth:`rclpy.node.Node.create_subscription`.
+
+    Used after :meth:`destroy` it raises :class:`InvalidHandle`.
+    """
 
     class CallbackType(Enum):
         """What the callback takes."""
@@ -37,82 +38,78 @@ class Subscription:
         qos_profile: QoSProfile,
         raw: bool,
     ) -> None:
-        self._reader = reader
-        self._topic_name = topic_name
-        #: Callbacks for events, watched by executors; set by the node.
-        self._events: EndpointEvents | None = None
-        self._read = codec(msg_type._ros_type).read
-        self.msg_type = msg_type
-        self.topic = topic
+        # First of all: it is refused if it cannot be called with a message.
         self.callback = callback
         self.callback_group = callback_group
+        self.msg_type = msg_type
+        self.topic = topic
         self.qos_profile = qos_profile
         self.raw = raw
+        self._reader = reader
+        self._deserialize = codec(msg_type._ros_type).read
+        self._full_name = topic_name
+        #: What a wait set watches.
+        self._wait_ref = reader.condition
+        #: Callbacks for events, watched by executors; set by the node.
+        self._watched_events: EndpointEvents | None = None
 
     @property
-    def _wait_ref(self) -> int:
-        """What a wait set watches."""
-        return self._reader.condition
+    def _endpoints(self) -> tuple[Reader]:
+        return (self._reader,)
 
-    def _take(self) -> tuple[Callable[..., Any], tuple[Any, ...]] | None:
+    def _take(
+        self, _runner: TaskRunner | None = None
+    ) -> tuple[Callable[..., Any], tuple[Any, ...]] | None:
         """Take a message; the callback and what to call it with."""
         sample = self._reader.take() if self.raw else self._reader.take_decoded(self._decode)
         if sample is None:
             return None
-        message, info = sample
-        if self._callback_type is Subscription.CallbackType.MessageOnly:
-            return self._callback, (message,)
-        return self._callback, (message, message_info(info))
+        if self._wants_info:
+            return self._call, (sample[0], message_info(sample[1]))
+        return self._call, (sample[0],)
 
     def _decode(self, payload: bytes) -> Any:
-        return self._read(payload, len(ENCAPSULATION))
+        return self._deserialize(payload, len(ENCAPSULATION))
 
     def get_publisher_count(self) -> int:
         """Number of matched publishers."""
-        return len(self._checked().matched_writers())
+        return len(self._reader.usable().matched_writers())
 
     @property
     def topic_name(self) -> str:
         """Topic after expansion and remapping."""
-        self._checked()
-        return self._topic_name
-
-    def _checked(self) -> Reader:
-        if self._reader.closed:
-            raise InvalidHandle
-        return self._reader
+        self._reader.usable()
+        return self._full_name
 
     @property
     def callback(self) -> Callable[..., Any]:
         """What is called with each message, and with its info if it takes two arguments."""
-        return self._callback
+        return self._call
 
     @callback.setter
     def callback(self, value: Callable[..., Any]) -> None:
-        signature = inspect.signature(value)
-        for count, kind in enumerate(Subscription.CallbackType, start=1):
-            try:
-                signature.bind(*[object()] * count)
-            except TypeError:
-                continue
-            self._callback = value
-            self._callback_type = kind
-            return
-        raise RuntimeError(
-            "Subscription.__init__(): callback should be either be callable with one argument"
-            "(to get only the message) or two (to get message and message info)"
-        )
+        if not (_takes(value, 1) or _takes(value, 2)):
+            raise RuntimeError(
+                "Subscription.__init__(): callback should be either be callable with one argument"
+                "(to get only the message) or two (to get message and message info)"
+            )
+        self._call = value
+        self._wants_info = not _takes(value, 1)
 
     def destroy(self) -> None:
         """Delete the subscription. Again is fine."""
         self._reader.close()
 
 
+def _takes(value: Any, count: int) -> bool:
+    try:
+        inspect.signature(value).bind(*range(count))
+    except TypeError:
+        return False
+    return True
+
+
 def message_info(info: Any) -> dict[str, int | None]:
     """What a callback with two arguments gets; Cyclone counts no sequence numbers."""
-    return {
-        "source_timestamp": info.source_timestamp,
-        "received_timestamp": info.source_timestamp,
-        "publication_sequence_number": None,
-        "reception_sequence_number": None,
-    }
+    stamps = dict.fromkeys(("source_timestamp", "received_timestamp"), info.source_timestamp)
+    return {**stamps, "publication_sequence_number": None, "reception_sequence_number": None}

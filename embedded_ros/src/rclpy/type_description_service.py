@@ -3,48 +3,74 @@
 from __future__ import annotations
 
 import weakref
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Set as AbstractSet
+from typing import Any, Final, Protocol
 
+from embedded_ros.message_classes import message_class
+from embedded_ros.parameter_value import Parameter
+from embedded_ros.serving import ServingNode
 from embedded_ros.type_descriptions import describe
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
 
 __all__ = ["START_TYPE_DESCRIPTION_SERVICE_PARAM", "TypeDescriptionService"]
 
 START_TYPE_DESCRIPTION_SERVICE_PARAM: Final = "start_type_description_service"
 
 
+class _Node(ServingNode, Protocol):
+    def _entity_types(self) -> AbstractSet[str]: ...
+
+    def has_parameter(self, name: str) -> bool: ...
+
+    def get_parameter(self, name: str) -> Parameter: ...
+
+    def declare_parameter(
+        self, name: str, value: Any = None, descriptor: Any = None
+    ) -> Parameter: ...
+
+
 class TypeDescriptionService:
-    """``~/get_type_description``, unless a parameter of the node says no."""
+    """``~/get_type_description``, unless a parameter of the node says no.
 
-    def __init__(self, node: Node) -> None:
-        from rcl_interfaces.msg import ParameterDescriptor
-        from type_description_interfaces.srv import GetTypeDescription
+    Attributes
+    ----------
+    service_name : str
+    enabled : bool
+    """
 
-        self._node = weakref.ref(node)
+    def __init__(self, node: _Node) -> None:
         self.service_name = f"{node.get_name()}/get_type_description"
-        if not node.has_parameter(START_TYPE_DESCRIPTION_SERVICE_PARAM):
-            descriptor = ParameterDescriptor(
-                description="If enabled, start the ~/get_type_description service.",
-                read_only=True,
-            )
-            node.declare_parameter(START_TYPE_DESCRIPTION_SERVICE_PARAM, True, descriptor)
-        self.enabled: bool = node.get_parameter(START_TYPE_DESCRIPTION_SERVICE_PARAM).value
+        self.enabled: bool = _wish(node).value
         if self.enabled:
-            node.create_service(GetTypeDescription, self.service_name, self._service_callback)
+            from type_description_interfaces.srv import GetTypeDescription
 
-    def _service_callback(self, request: Any, response: Any) -> Any:
-        node = self._node()
-        known = node._entity_types() if node is not None else set()
-        response.successful = False
-        if request.type_name not in known:
-            response.failure_reason = "Type not currently in use by this node"
-            return response
+            # Weakly: a node that is dropped takes its services along.
+            types_of_node = weakref.WeakMethod(node._entity_types)
+
+            def answer(request: Any, response: Any) -> Any:
+                in_use = types_of_node()
+                return _answer(set() if in_use is None else in_use(), request, response)
+
+            node.create_service(GetTypeDescription, self.service_name, answer)
+
+
+def _wish(node: _Node) -> Parameter:
+    if node.has_parameter(START_TYPE_DESCRIPTION_SERVICE_PARAM):
+        return node.get_parameter(START_TYPE_DESCRIPTION_SERVICE_PARAM)
+    descriptor = message_class("rcl_interfaces/msg/ParameterDescriptor")(
+        description="If enabled, start the ~/get_type_description service.", read_only=True
+    )
+    return node.declare_parameter(START_TYPE_DESCRIPTION_SERVICE_PARAM, True, descriptor)
+
+
+def _answer(in_use: AbstractSet[str], request: Any, response: Any) -> Any:
+    reason = ""
+    if request.type_name not in in_use:
+        reason = "Type not currently in use by this node"
+    else:
         description, digest = describe(request.type_name)
-        if request.type_hash and request.type_hash != digest:
-            response.failure_reason = "Type hash does not match"
-            return response
-        response.successful = True
-        response.type_description = description
-        return response
+        if request.type_hash in ("", digest):
+            response.type_description = description
+        else:
+            reason = "Type hash does not match"
+    response.successful, response.failure_reason = not reason, reason
+    return response

@@ -4,6 +4,8 @@ import sys
 import threading
 from collections.abc import Sequence
 
+from embedded_ros.argument_encoding import check_encoding
+from embedded_ros.errors import RCLInvalidROSArgsError
 from embedded_ros.ros_arguments import parse_arguments, without_ros_arguments
 from rclpy.constants import S_TO_NS
 from rclpy.context import Context
@@ -19,17 +21,35 @@ __all__ = [
     "try_shutdown",
 ]
 
-_lock = threading.RLock()
-_default_context: Context | None = None
+
+class _Default:
+    """Holds the default context; makes one when it is asked for after the last one's end."""
+
+    def __init__(self) -> None:
+        self._context: Context | None = None
+        self._lock = threading.Lock()
+
+    def get(self) -> Context:
+        with self._lock:
+            if self._context is None:
+                self._context = Context()
+            return self._context
+
+    def give_up(self, context: Context) -> None:
+        with self._lock:
+            if self._context is context:
+                self._context = None
+
+
+_default = _Default()
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:
     """Return the default context; after `shutting_down` the next call makes a new one."""
-    global _default_context
-    with _lock:
-        context = _default_context or Context()
-        _default_context = None if shutting_down else context
-        return context
+    context = _default.get()
+    if shutting_down:
+        _default.give_up(context)
+    return context
 
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
@@ -39,15 +59,26 @@ def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     ----------
     args : sequence of str, optional
         ``sys.argv`` by default.
+
+    Raises
+    ------
+    UnicodeEncodeError
+        If one is not UTF-8.
+    RCLInvalidROSArgsError
+        If one of ROS's is malformed.
     """
     words = sys.argv if args is None else args
-    parse_arguments(words)  # malformed ones are an error here, too
+    check_encoding(words)
+    try:
+        parse_arguments(words)
+    except RCLInvalidROSArgsError as error:
+        raise RCLInvalidROSArgsError(f"Failed to parse ROS arguments: {error}") from None
     return without_ros_arguments(words)
 
 
 def ok(*, context: Context | None = None) -> bool:
     """Tell whether a context is initialized and not shut down."""
-    return (context or get_default_context()).ok()
+    return (context or _default.get()).ok()
 
 
 def shutdown(*, context: Context | None = None) -> None:
@@ -56,17 +87,11 @@ def shutdown(*, context: Context | None = None) -> None:
 
 
 def try_shutdown(*, context: Context | None = None) -> None:
-    """Shut a context down unless that has happened."""
-    global _default_context
-    if context is not None:
-        context.try_shutdown()
-        return
-    with _lock:
-        context = get_default_context()
-    context.try_shutdown()
-    with _lock:
-        if _default_context is context and not context.ok():
-            _default_context = None
+    """Shut a context down unless that has happened; a default context is replaced."""
+    ending = context or _default.get()
+    ending.try_shutdown()
+    if context is None and not ending.ok():
+        _default.give_up(ending)
 
 
 def get_rmw_implementation_identifier() -> str:

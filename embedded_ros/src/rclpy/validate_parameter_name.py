@@ -2,11 +2,11 @@
 
 from typing import Literal
 
-from rclpy.exceptions import InvalidParameterException
+from embedded_ros.errors import InvalidParameterException
 
 
 def validate_parameter_name(name: str) -> Literal[True]:
-    """Return True, or raise :class:`.InvalidParameterException` if the name is empty."""
-    if not name:
-        raise InvalidParameterException(name)
-    return True
+    """Return True, or raise :class:`.InvalidParameterException`: any text but '' is a name."""
+    if name:
+        return True
+    raise InvalidParameterException(name)

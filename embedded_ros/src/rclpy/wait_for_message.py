@@ -1,12 +1,10 @@
 """Waiting for one message."""
 
-from __future__ import annotations
-
-import time
 from typing import Any
 
-from embedded_ros import cyclone
-from rclpy.exceptions import NotInitializedException
+from embedded_ros.deadline import Deadline
+from embedded_ros.errors import NotInitializedException
+from embedded_ros.short_wait import ShortWait
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
@@ -42,41 +40,21 @@ def wait_for_message(
     session = node.context.handle
     if session is None:
         raise NotInitializedException
+    deadline = Deadline(time_to_wait)
     received: list[Any] = []
     subscription = node.create_subscription(msg_type, topic, received.append, qos_profile)
-    interruption = cyclone.GuardCondition(session.ref)
-    waiter = _Waiter(interruption)
-    session.register(waiter)
-    wait_set = cyclone.WaitSet(session.ref)
-    deadline = None if time_to_wait < 0 else time.monotonic() + time_to_wait
     try:
-        wait_set.attach(interruption.ref)
-        wait_set.attach(subscription._wait_ref)
-        while node.context.ok():
-            left = cyclone.INFINITE
-            if deadline is not None:
-                left = max(0, int((deadline - time.monotonic()) * 1e9))
-            wait_set.wait(left)
-            interruption.clear()
-            taken = subscription._take()
-            if taken is not None:
-                callback, arguments = taken
-                callback(*arguments)
-                return True, received[0]
-            if left == 0:
-                break
-        return False, None
+        with ShortWait(session, [subscription._wait_ref]) as waiting:
+            is_last_look = False
+            while node.context.ok() and not is_last_look:
+                left = deadline.nanoseconds_left()
+                is_last_look = left <= 0
+                waiting.wait(left)
+                call = subscription._take()
+                if call is not None:
+                    callback, arguments = call
+                    callback(*arguments)
+                    return True, received[0]
     finally:
-        wait_set.close()
-        interruption.close()
         node.destroy_subscription(subscription)
-
-
-class _Waiter:
-    """Ends the wait when the context is shut down."""
-
-    def __init__(self, condition: cyclone.GuardCondition) -> None:
-        self._condition = condition
-
-    def interrupt(self) -> None:
-        self._condition.set()
+    return False, None

@@ -58,7 +58,7 @@ class _CallState:
     def should_log(self) -> bool:
         """Ask the filters."""
         if "throttle" in self.filters:
-            now = self._clock._nanoseconds()
+            now = self._clock.now().nanoseconds
             if now < self._last_logged + self.options["throttle_duration_sec"] * 1e9:
                 return False
             self._last_logged = now
