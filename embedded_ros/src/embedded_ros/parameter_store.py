@@ -92,10 +92,13 @@ class ParameterStore:
         ParameterUninitializedException
             If it was declared by type and has no value yet.
         """
+        found = self.parameter_with_value(name)
+        if found is not None:
+            return found
         entry = self._entry(name)
         if entry is None:
             return Parameter(name)
-        if not entry.has_value and not entry.descriptor.dynamic_typing:
+        if not entry.descriptor.dynamic_typing:
             raise ParameterUninitializedException(name)
         return entry.parameter
 

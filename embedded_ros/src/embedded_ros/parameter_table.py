@@ -122,7 +122,8 @@ def _write(entries: dict[str, Entry], entry: Entry, changes: Changes) -> None:
 def _complete(entry: Entry) -> None:
     """Tell a descriptor its parameter's name and, if dynamic, its type."""
     parameter, descriptor = entry
-    descriptor.name = parameter.name
+    if descriptor.name != parameter.name:
+        descriptor.name = parameter.name
     if descriptor.dynamic_typing:
         descriptor.type = parameter.type_.value
 

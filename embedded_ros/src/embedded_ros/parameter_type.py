@@ -104,6 +104,12 @@ def _kind(item: Any) -> type:
     return type(item)
 
 
+_FIELDS = {
+    type_.value: None if type_ is ParameterType.NOT_SET else f"{type_.name.lower()}_value"
+    for type_ in ParameterType
+}
+
+
 def value_field(number: int) -> str | None:
     """Field of ``rcl_interfaces/msg/ParameterValue`` that holds a type's value.
 
@@ -112,5 +118,6 @@ def value_field(number: int) -> str | None:
     ValueError
         If `number` is that of no type.
     """
-    type_ = ParameterType(number)
-    return None if type_ is ParameterType.NOT_SET else f"{type_.name.lower()}_value"
+    if number not in _FIELDS:
+        raise ValueError(f"{number} is no type of parameters")
+    return _FIELDS[number]
