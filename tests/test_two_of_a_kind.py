@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from rclpy.node import Node
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 from bdt_controller.controller_node import ControllerNode
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import read_samples
-from bdt_msgs_py.topics import TELEMETRY, TELEMETRY_COLUMNS
+from bdt_msgs_py.topics import REFERENCE, TELEMETRY, TELEMETRY_COLUMNS
 from bdt_plant.plant_node import PlantNode
 from bdt_twin.twin_node import TwinNode
 
@@ -54,16 +55,39 @@ def says(node, name, nodes):
     return not health.ok and f"{name}: {nodes}" in health.values["topics_with_several_publishers"]
 
 
-def test_commands_of_a_second_controller_are_not_obeyed(alone, ros):
+def test_a_second_controller_stands_by_and_disturbs_nothing(alone, ros):
     loop = Loop(ros)
     loop.run_until(1.0)
-    second = ros.create(ControllerNode, use_sim_time=True, pid__proportional=-1e5)
+    references = []
+    # A reference that the second one would have set from its first measurement on.
+    second = ros.create(
+        ControllerNode, use_sim_time=True, pid__proportional=-1e5, reference__first=1e-3
+    )
+    listener = ros.create(Node, "reference_listener")
+    listener.create_subscription(
+        JointState,
+        REFERENCE.name,
+        lambda message: references.append(message.position[0]),
+        qos_profile(REFERENCE),
+    )
     assert np.array_equal(loop.finish(), alone)
-    health = loop.plant._health().values
-    assert "command source: " in health["rejected_messages_by_reason"]
-    assert "commands are taken from '/controller' alone" in health["last_rejected_message"]
+    assert loop.plant._health().values["rejected_messages"] == 0
+    assert set(references) == {0.0, 5e-3}
     for node in (loop.plant, loop.controller, second):
         assert says(node, "command", "/controller, /controller")
+    assert "another controller answers: standing by" in second._health().summary
+
+
+def test_a_controller_that_stands_by_takes_over_and_goes_on_with_the_reference(ros):
+    loop = Loop(ros)
+    loop.run_until(1.0)
+    second = ros.create(ControllerNode, use_sim_time=True, reference__step_time=1.0)
+    ros.spin_until(lambda: "standing by" in second._health().summary, 60.0)
+    ros.executor.remove_node(loop.controller)
+    loop.controller.destroy_node()
+    rows = loop.finish()
+    assert second._health().values["reference_began_s"] == 0.0
+    assert abs(rows[-1, 2]) < 1e-3, "the fourth step is one to 0"
 
 
 def test_measurements_of_a_second_plant_are_not_obeyed(alone, ros):

@@ -270,3 +270,15 @@ def test_a_position_that_runs_away_is_not_called_stable(analyzed):
     result = verdict(replace(summary, steps=(*summary.steps[:-1], step)))
     assert not result.good
     assert "off by more than the step in one step" in result.headline
+
+
+def test_a_position_that_stays_where_it_was_is_not_called_stable(analyzed):
+    summary, _ = analyzed
+    step = replace(summary.steps[-1], bias_percent_of_amplitude=-99.9, limit_cycle=False)
+    result = verdict(replace(summary, steps=(*summary.steps[:-1], step)))
+    assert not result.good
+    assert "Stable" not in result.headline
+    assert (
+        "Not at the reference: the position stays off by more than 5 % of the step in one step, "
+        f"first in the one that begins at {step.t_start_s:.6g} s"
+    ) == result.headline

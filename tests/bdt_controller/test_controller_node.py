@@ -26,7 +26,7 @@ PERIOD = 2_000_000
 class Bench:
     """A controller with a node that plays the plant."""
 
-    def __init__(self, ros, **parameters):
+    def __init__(self, ros, *, publishers=1, **parameters):
         self.ros = ros
         self.controller = ros.create(ControllerNode, **parameters)
         self.node = ros.create(Node, "bench")
@@ -50,7 +50,7 @@ class Bench:
             )
         self.client = AsyncParameterClient(self.node, "controller")
         ros.spin_until(lambda: self.measurement.get_subscription_count() == 1)
-        ros.spin_until(lambda: self.node.count_publishers(COMMAND.name) == 1)
+        ros.spin_until(lambda: self.node.count_publishers(COMMAND.name) == publishers)
         ros.spin_until(self.client.services_are_ready)
 
     def measure(self, stamp, position):
@@ -101,6 +101,41 @@ def test_a_repeated_measurement_gets_the_same_answer_and_moves_nothing(ros):
     fresh.step(5e-3, 0.0)
     fresh.step(5e-3, 1e-3)
     assert bench.measure(2 * PERIOD, 2e-3)[1] == fresh.step(5e-3, 2e-3)
+
+
+@pytest.mark.parametrize(("simulated", "level"), [(True, 0.0), (False, 5e-3)])
+def test_a_controller_that_comes_late_goes_on_with_the_reference_of_simulated_time(
+    ros, simulated, level
+):
+    """Started anew it does not start the reference anew; wall time has no other beginning."""
+    bench = Bench(ros, use_sim_time=simulated, reference__step_time=10.0)
+    bench.measure(13_000_000_000, 0.0)
+    ros.spin_until(lambda: bench.references)
+    assert bench.references == [(13_000_000_000, level)]
+    assert bench.health["reference_began_s"] == (0.0 if simulated else 13.0)
+
+
+def test_strays_that_answer_no_measurement_keep_no_controller_from_its_work(ros):
+    stranger = ros.create(Node, "stranger")
+    publisher = stranger.create_publisher(JointState, COMMAND.name, qos_profile(COMMAND))
+    stranger.create_timer(0.05, lambda: publisher.publish(motor_voltage(7, 1.0)))
+    bench = Bench(ros, publishers=2)
+
+    def answered():
+        bench.measurement.publish(platform_position(0, 0.0))
+        return any(stamp == 0 for stamp, _ in bench.commands)
+
+    ros.spin_until(answered)
+
+
+def test_simulated_time_without_a_clock_is_told(ros):
+    bench = Bench(ros, use_sim_time=True)
+    wall = 1_795_000_000_000_000_000
+    for number in range(15):
+        bench.measure(wall + number * 90_000_000, 0.0)
+    health = bench.controller._health()
+    assert not health.ok
+    assert "use_sim_time is true and nobody publishes /clock" in health.summary
 
 
 def test_time_that_goes_back_for_good_starts_a_new_run(ros):

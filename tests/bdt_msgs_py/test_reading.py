@@ -137,6 +137,13 @@ def test_samples_begin_at_the_data_offset():
     assert read_samples(samples(range(5), 1, offset=2), COLUMNS).tolist() == [[2.0, 3.0, 4.0]]
 
 
+def test_strides_and_the_label_of_the_rows_are_not_read():
+    message = samples(range(6), 2)
+    message.layout.dim[0].label, message.layout.dim[0].stride = "", 0
+    message.layout.dim[1].stride = 0
+    np.testing.assert_array_equal(read_samples(message, COLUMNS), np.arange(6.0).reshape(2, 3))
+
+
 @pytest.mark.parametrize(
     "label", ["", "t[s],u[V]", "u[V],t[s],q3[m]", "t[s],u[V],q3[mm]", "t[s], u[V], q3[m]"]
 )

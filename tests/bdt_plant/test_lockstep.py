@@ -123,11 +123,23 @@ def test_a_follower_of_a_run_before_this_one_has_seen_nothing_of_it():
     assert followers.blocking(0) == ["twin"]
 
 
-def test_silent_are_those_who_said_nothing_since_a_time_whatever_the_others_say():
+def test_stuck_are_those_who_have_not_come_on_since_a_time_whatever_they_and_others_say():
     followers = Followers(["twin", "recorder"])
-    followers.progress("twin", 0, SECOND, now=1.0)
-    followers.progress("recorder", 0, SECOND, now=5.0)
-    assert followers.silent(["twin", "recorder"], since=3.0) == ["twin"]
-    assert followers.silent(["recorder"], since=3.0) == []
-    assert followers.silent(["twin", "recorder"], since=0.5) == []
-    assert Followers(["twin"]).silent(["twin"], since=0.0) == ["twin"]
+    followers.telemetry_published(2 * SECOND)
+    followers.progress("twin", SECOND, SECOND, now=1.0)
+    followers.progress("recorder", SECOND, SECOND, now=1.0)
+    followers.progress("twin", SECOND, SECOND, now=5.0)
+    followers.progress("recorder", 2 * SECOND, SECOND, now=5.0)
+    assert followers.stuck(["twin", "recorder"], since=3.0) == ["twin"]
+    assert followers.stuck(["recorder"], since=3.0) == []
+    assert followers.stuck(["twin", "recorder"], since=0.5) == []
+    assert Followers(["twin"]).stuck(["twin"], since=0.0) == ["twin"]
+
+
+def test_a_later_promise_is_progress_a_broken_one_is_none():
+    followers = Followers(["twin"])
+    followers.progress("twin", 0, 5 * SECOND, now=1.0)
+    followers.progress("twin", 0, 4 * SECOND, now=5.0)
+    assert followers.stuck(["twin"], since=3.0) == ["twin"]
+    followers.progress("twin", 0, 6 * SECOND, now=6.0)
+    assert followers.stuck(["twin"], since=3.0) == []

@@ -281,6 +281,50 @@ def test_the_follower_that_is_silent_is_named_whatever_the_other_one_says(ros, s
     alive.cancel()
 
 
+def test_a_follower_that_speaks_and_does_not_come_on_ends_the_run(ros):
+    bench = Bench(
+        ros,
+        lockstep_followers=["twin"],
+        telemetry_period=0.002,
+        lockstep_timeout=1.0,
+        resend_period=0.05,
+    )
+    bench.progress.publish(progress("twin", 0, None))
+    ros.spin_until(lambda: bench.measurements)
+    bench.command.publish(motor_voltage(0, 0.0))
+    alive = bench.node.create_timer(
+        0.05, lambda: bench.progress.publish(progress("twin", 0, 1_000_000))
+    )
+    with pytest.raises(LoopError, match=r"for progress of twin at t = 0\.002 s"):
+        ros.result(bench.plant.finished)
+    alive.cancel()
+
+
+def test_a_follower_that_is_slow_and_comes_on_is_awaited(ros):
+    bench = Bench(
+        ros,
+        lockstep_followers=["twin"],
+        telemetry_period=0.002,
+        lockstep_timeout=2.0,
+        resend_period=0.05,
+    )
+    bench.progress.publish(progress("twin", 0, None))
+    ros.spin_until(lambda: bench.measurements)
+    bench.command.publish(motor_voltage(0, 0.0))
+    ros.spin_until(lambda: bench.telemetry)
+    said = []
+
+    def come_on():
+        said.append(len(said) + 1)
+        bench.progress.publish(progress("twin", 100_000 * said[-1], None))
+
+    slow = bench.node.create_timer(0.15, come_on)
+    ros.spin_until(lambda: bench.measurements[-1][0] == PERIOD or bench.plant.finished.done())
+    slow.cancel()
+    assert len(said) >= 18, "it took longer than the timeout"
+    assert not bench.plant.finished.done()
+
+
 def test_progress_from_the_past_does_not_hold_the_plant(ros):
     bench = Bench(ros, lockstep_followers=["friend"], telemetry_period=0.002, resend_period=0.05)
     bench.progress.publish(progress("friend", 0, None))

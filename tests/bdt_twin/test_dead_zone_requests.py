@@ -14,12 +14,13 @@ class Asker:
     """A node that asks for dead zones."""
 
     def __init__(self, ros, timeout=20.0):
-        self.ros, self.ended = ros, 0
+        self.ros, self.ended, self.unanswered = ros, 0, []
         self.node = ros.create(Node, "asker")
         self.requests = DeadZoneRequests(self.node, CONTROLLER_NODE, timeout, self._end)
 
-    def _end(self):
+    def _end(self, unanswered):
         self.ended += 1
+        self.unanswered.append(unanswered)
 
     def start_controller(self):
         """Start a controller and wait until it can be told from others."""
@@ -98,10 +99,23 @@ def test_a_request_that_was_sent_gets_its_answer(ros):
     assert (asker.requests.accepted, in_force(controller)) == (2, 4e-5)
 
 
+def test_what_had_no_answer_is_given_back_once_unless_it_was_dropped(ros):
+    asker = Asker(ros, timeout=0.05)
+    asker.ask()
+    assert asker.unanswered == [WIDE]
+    controller = asker.start_controller()
+    ros.executor.remove_node(controller)
+    asker.requests.send(WIDE)
+    ros.spin_until(lambda: asker.requests._answer is not None or asker.ended == 2)
+    asker.requests.drop()
+    ros.spin_until(lambda: asker.ended == 2)
+    assert asker.requests.failed == 2
+
+
 @pytest.mark.parametrize("name", ["/left/controller", "controller"])
 def test_a_controller_in_another_namespace_is_another_one(ros, name):
     left = ros.create(lambda **options: Node("asker", namespace="/left", **options))
-    requests = DeadZoneRequests(left, name, 20.0, lambda: None)
+    requests = DeadZoneRequests(left, name, 20.0, lambda _: None)
     Asker(ros).start_controller()
     ros.spin_until(lambda: left.count_publishers(PARAMETER_EVENTS.name) == 3)
     assert not requests.controller_appeared()

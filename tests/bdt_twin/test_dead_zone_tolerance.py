@@ -98,3 +98,25 @@ def test_the_dead_zone_changes_no_faster_than_its_limit_in_either_direction():
 def test_a_fault_is_named_with_its_value_and_what_is_allowed(fault, text):
     with pytest.raises(ValueError, match=r"^DeadZoneSettings\." + text):
         DeadZoneSettings(**fault)
+
+
+@given(uncertainty=st.floats(0, 1e3), growth=st.floats(0, 10), age=st.floats(0, 1e5))
+def test_a_loop_that_rests_for_however_long_is_able_to_move(uncertainty, growth, age):
+    """Doubt and growth widen the dead zone by so much at most; nothing else ends a rest."""
+    settings = DeadZoneSettings(coverage_factor=2.0, margin=0.02, largest_growth=0.3)
+    estimate = Estimate(0.0, 0.2, uncertainty, growth)
+    tolerance = DeadZoneRule(settings, PITCH).tolerance(estimate, age)
+    assert tolerance <= PITCH * (0.2 + 0.3 + 0.02) * (1 + 1e-12)
+
+
+def test_the_rule_tells_while_doubt_is_larger_than_what_it_may_add():
+    rule = DeadZoneRule(DeadZoneSettings(coverage_factor=2.0, largest_growth=0.3), PITCH)
+    assert not rule.is_bounded
+    rule.tolerance(ESTIMATE._replace(uncertainty=0.2), 10.0)
+    assert rule.is_bounded
+    rule.tolerance(ESTIMATE, 10.0)
+    assert not rule.is_bounded
+    rule.tolerance(ESTIMATE, 100.0)
+    assert rule.is_bounded
+    rule.restart()
+    assert not rule.is_bounded

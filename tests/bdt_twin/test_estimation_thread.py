@@ -138,3 +138,18 @@ def test_closing_ends_the_thread_and_leaves_the_rest():
     collector.collect(1)
     collector.thread.close()
     assert "estimation" not in {thread.name for thread in threading.enumerate()}
+
+
+def test_an_estimator_that_hangs_does_not_keep_anybody_from_the_end(estimator, monkeypatch):
+    monkeypatch.setattr("bdt_twin.estimation_thread.LONGEST_END", 0.05)
+    estimator.go.clear()
+    thread = EstimationThread(estimator, lambda: None)
+    thread.put(np.zeros((1, 3)))
+    assert estimator.busy.wait(DEADLINE)
+    closing = threading.Thread(target=thread.close)
+    closing.start()
+    closing.join(DEADLINE / 2)
+    ended = not closing.is_alive()
+    estimator.go.set()
+    closing.join()
+    assert ended

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bdt_twin.estimator import TelemetryRejectedError
+from bdt_twin.telemetry_stream import TelemetryStream
 from bdt_twin.telemetry_window import TelemetryWindow
 
 RATE = 100.0
@@ -99,3 +100,19 @@ def test_time_that_goes_back_begins_anew():
         window.append(rows_of(50, 60))
     assert window.end is None
     assert window.append(rows_of(60, 70)) == range(60, 70)
+
+
+@pytest.mark.parametrize(("late", "is_hole"), [(0.009, False), (-0.009, False), (0.011, True)])
+def test_the_grid_goes_on_from_batch_to_batch_to_one_percent_of_a_sample(late, is_hole):
+    """For windows a hole, for a stream the end: docs/source/how-to/use-your-own-hardware.md."""
+    first, second = rows_of(100, 120), rows_of(120, 140)
+    second[:, 0] += late * 0.01
+    window, stream = TelemetryWindow(100.0, 1000), TelemetryStream(100.0)
+    window.append(first)
+    stream.accept(first)
+    assert (window.append(second) == range(120, 140)) is not is_hole
+    if is_hole:
+        with pytest.raises(TelemetryRejectedError):
+            stream.accept(second)
+    else:
+        assert not stream.accept(second)

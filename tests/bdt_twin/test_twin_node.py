@@ -1,6 +1,7 @@
 """The twin node: telemetry in, estimates out, the dead zone of a controller reconfigured."""
 
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -250,16 +251,53 @@ def test_a_controller_that_is_not_there_is_counted_and_the_twin_goes_on(ros, tel
     assert bench.health["estimates"] > 0
 
 
+def test_a_reconfiguration_without_an_answer_is_tried_again_until_it_has_one(ros, telemetry):
+    """A twin that was paused, or a controller that was, must not cost a dead zone."""
+    bench = Bench(ros, communication_delay=0.0, service_timeout=0.1)
+    ros.executor.remove_node(bench.peer)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.health["estimates"] > 0)
+    sent = bench.health["estimates"]
+    ros.spin_until(lambda: bench.health["failed_reconfigurations"] > sent + 2)
+    assert bench.health["reconfigurations"] == 0
+    assert bench.twin._delivery.next_due() is not None, "a plant in lockstep waits for it"
+    bench.ros.executor.add_node(bench.peer)
+    ros.spin_until(lambda: bench.health["reconfigurations"] == 1)
+    in_force = bench.peer.get_parameter("dead_zone_tolerance").value
+    assert in_force == pytest.approx(1e-3 / (2 * np.pi) * bench.estimates[-1][1], rel=1e-12)
+    assert bench.twin._delivery.next_due() is None
+
+
+def test_a_reconfiguration_without_an_answer_is_not_tried_again_after_a_take_over(ros, telemetry):
+    bench = Bench(ros, communication_delay=0.0, service_timeout=0.3)
+    ros.executor.remove_node(bench.peer)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.twin._delivery.requests.in_flight is not None)
+    (result,) = bench.twin.set_parameters([Parameter("reconfigure", value=False)])
+    assert result.successful
+    ros.spin_until(lambda: bench.twin._delivery.requests.in_flight is None)
+    failed = bench.health["failed_reconfigurations"]
+    ros.spin_for(0.5)
+    assert bench.health["failed_reconfigurations"] == failed
+
+
+def test_a_refused_reconfiguration_is_not_tried_again(ros, telemetry):
+    bench = Bench(ros, accept=False, communication_delay=0.0)
+    bench.run(telemetry[:7500])
+    ros.spin_until(lambda: bench.health["failed_reconfigurations"] >= 1)
+    ros.spin_until(lambda: bench.twin._delivery.next_due() is None)
+
+
 def test_a_controller_that_comes_anew_is_sent_what_is_in_force_after_the_delay(ros, telemetry):
     bench = Bench(ros, communication_delay=0.2, service_timeout=1.0)
     bench.run(telemetry[:7500])
     ros.spin_until(lambda: bench.health["reconfigurations"] >= 1)
-    in_force = bench.peer.get_parameter("dead_zone_tolerance").value
-    ros.executor.remove_node(bench.peer)
-    bench.peer.destroy_node()
     # What was on its way is over before the new one comes.
     bench.tick(3.0)
     ros.spin_until(lambda: bench.twin._delivery.next_due() is None)
+    in_force = bench.peer.get_parameter("dead_zone_tolerance").value
+    ros.executor.remove_node(bench.peer)
+    bench.peer.destroy_node()
     bench.peer = bench.start_controller()
     ros.spin_until(lambda: bench.twin._reconfigurator.next_due() is not None)
     assert bench.twin._reconfigurator.next_due() == 3_200_000_000
@@ -301,6 +339,21 @@ def test_telemetry_of_absurd_times_is_rejected_and_the_run_goes_on(ros, telemetr
     assert bench.health["estimates"] > 0
 
 
+@pytest.mark.parametrize("start", [0.0, 1_795_000_000.0])
+def test_simulated_time_without_a_clock_is_told(ros, telemetry, start):
+    """Left true with hardware: estimates, and no reconfiguration ever arrives."""
+    bench = Bench(ros, communication_delay=0.0)
+    rows = telemetry.copy()
+    rows[:, 0] += start
+    for first in range(0, 7500, BATCH):
+        bench.send(rows[first : first + BATCH])
+    ros.spin_until(lambda: bench.health["estimates"] > 0)
+    health = bench.twin._health()
+    assert not health.ok
+    assert "use_sim_time is true and nobody publishes /clock" in health.summary
+    assert not bench.requests
+
+
 def test_two_twins_are_noticed(ros):
     bench = Bench(ros)
     ros.create(TwinNode)
@@ -316,6 +369,44 @@ def broken(rows, how):
     if how == "hole":
         rows[250:, 0] += 0.01
     return rows
+
+
+@pytest.mark.parametrize("rate", [1000.0, 4000.0])
+def test_telemetry_of_another_rate_is_rejected_and_the_step_is_told(ros, telemetry, rate):
+    """What docs/source/how-to/use-your-own-hardware.md promises."""
+    bench = Bench(ros, estimator__sampling_rate=rate)
+    bench.tick(0.1)
+    for start in (0, BATCH):
+        bench.send(telemetry[start : start + BATCH])
+    ros.spin_until(lambda: bench.health["rejected_messages_by_reason"] == "telemetry samples: 2")
+    last = bench.health["last_rejected_message"]
+    assert last.startswith("telemetry: time step of 0.0002")
+    assert bench.health["estimates"] == 0
+
+
+def test_batches_of_any_length_give_the_same_estimates(ros, telemetry):
+    bench = Bench(ros)
+    ends = [0, 1, 8, 500, 1733, 1734, 7500]
+    for first, end in pairwise(ends):
+        bench.send(telemetry[first:end])
+    core = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
+    expected = [one.gap for one in core.estimates(telemetry[:7500, 1], telemetry[:7500, 2])]
+    ros.spin_until(lambda: bench.estimates and bench.estimates[-1][1] == expected[-1])
+
+
+def test_a_clock_that_goes_back_makes_the_next_but_one_batch_another_run(ros, telemetry):
+    bench = Bench(ros)
+    rows = telemetry.copy()
+    rows[:, 0] += 5.0
+    bench.tick(5.0)
+    bench.send(rows[:500])
+    bench.send(rows[500:1000])
+    bench.send(telemetry[:500])
+    assert bench.health["rejected_messages_by_reason"] == "telemetry time: 1"
+    ros.spin_for(2 * SILENCE)
+    bench.send(telemetry[500:1000])
+    bench.wait_for_progress(199_800_000)
+    assert bench.health["telemetry_accepted"] == 4
 
 
 STUBBORN = """
@@ -362,6 +453,76 @@ def test_an_estimator_of_somebody_else_sets_a_dead_zone_with_its_margin(
     assert bench.health["gap_uncertainty_rad"] == 0.01
     assert bench.health["reversals"] == 3
     assert bench.health["estimator"] == "stubborn:Stubborn"
+
+
+UNSURE = """
+import math
+
+from bdt_twin.estimator import Estimate
+
+class Unsure:
+    def restart(self):
+        self.uncertainty = 10.0
+
+    def update(self, batch):
+        self.uncertainty /= 1000.0
+        return Estimate(batch[-1, 0], 0.25, 1000.0 * self.uncertainty)
+"""
+
+
+def test_a_dead_zone_at_its_bound_is_a_warning(ros, telemetry, tmp_path, monkeypatch):
+    (tmp_path / "unsure.py").write_text(UNSURE)
+    monkeypatch.chdir(tmp_path)
+    bench = Bench(
+        ros,
+        estimator__kind="unsure:Unsure",
+        dead_zone__coverage_factor=2.0,
+        dead_zone__largest_growth=0.3,
+        communication_delay=0.0,
+    )
+    bench.run(telemetry[:BATCH])
+    ros.spin_until(lambda: bench.requests)
+    assert bench.requests[0][1] == pytest.approx(1e-3 / (2 * np.pi) * (0.25 + 0.3), rel=1e-9)
+    for _ in range(2):
+        health = bench.twin._health()
+        assert not health.ok, "as long as it lasts"
+        assert "the gap is too uncertain: dead_zone.largest_growth bounds" in health.summary
+        assert health.values["dead_zone_at_bound"]
+    bench.run(telemetry[BATCH : 2 * BATCH])
+    ros.spin_until(lambda: bench.health["estimates"] == 2)
+    health = bench.twin._health()
+    assert health.ok
+    assert not health.values["dead_zone_at_bound"]
+    sys.modules.pop("unsure")
+
+
+NOW_AND_THEN = """
+import time
+
+from bdt_twin.estimator import Estimate
+
+class NowAndThen:
+    def restart(self):
+        self.batches = 0
+
+    def update(self, batch):
+        self.batches += 1
+        if self.batches > 1:
+            return None
+        time.sleep(0.2)
+        return Estimate(batch[-1, 0], 0.25)
+"""
+
+
+def test_the_time_of_a_window_is_that_of_the_last_estimate(ros, telemetry, tmp_path, monkeypatch):
+    """Most batches only wait for the window to be full."""
+    (tmp_path / "now_and_then.py").write_text(NOW_AND_THEN)
+    monkeypatch.chdir(tmp_path)
+    bench = Bench(ros, estimator__kind="now_and_then:NowAndThen")
+    bench.run(telemetry[: 3 * BATCH])
+    ros.spin_until(lambda: bench.health["telemetry_accepted"] == 3)
+    assert bench.health["window_time_s"] >= 0.2
+    sys.modules.pop("now_and_then")
 
 
 FAILS_ONCE = """

@@ -16,7 +16,9 @@ from bdt_controller.controller import DeadZoneController
 from bdt_controller.parameters import PARAMETERS
 from bdt_controller.plausibility import PlausibilityCheck, UnbelievedReadingError, Verdict
 from bdt_controller.reference import reference_at
+from bdt_controller.stand_by import StandBy
 from bdt_msgs_py.admission import Admission
+from bdt_msgs_py.clock_check import USE_SIM_TIME
 from bdt_msgs_py.diagnostics import DiagnosticsPublisher, Health
 from bdt_msgs_py.message_checks import check_position
 from bdt_msgs_py.node_main import run_node
@@ -63,6 +65,7 @@ class ControllerNode(Node):
         self._dead_zone_set_by = "start-up"
         self._plausibility = PlausibilityCheck(self._plausible, self._settings.control_rate)
         self._source = ""
+        self._stand_by = StandBy(self)
         self._reference_position: float | None = None
         self._reset()
 
@@ -104,16 +107,18 @@ class ControllerNode(Node):
             self._admission.reject(MEASUREMENT, error)
             return
         try:
-            verdict = self._plausibility.check(stamp, position, time.monotonic())
+            verdict: Verdict | None = self._plausibility.check(stamp, position, time.monotonic())
         except UnbelievedReadingError as error:
-            # The voltage in force goes on: a plant in lockstep waits for an answer.
             self._admission.reject(MEASUREMENT, error)
+            verdict = None
         except MessageRejectedError as error:
             self._admission.reject(MEASUREMENT, error)
             return
-        else:
-            if verdict is not Verdict.REPEAT:
-                self._advance(stamp, position, begins=verdict is Verdict.BEGIN)
+        if self._stand_by.look(stamp):
+            return
+        # Without a reading to believe the voltage in force goes on: a plant waits for an answer.
+        if verdict is not None and (verdict is not Verdict.REPEAT or self._last_stamp < 0):
+            self._advance(stamp, position, begins=verdict is Verdict.BEGIN)
         self._command_publisher.publish(motor_voltage(stamp, self._voltage, self._source))
 
     def _advance(self, stamp: int, position: float, *, begins: bool) -> None:
@@ -123,6 +128,7 @@ class ControllerNode(Node):
             self._reset()
         self._source = self._source or self._command_source()
         self._count_missed(stamp)
+        self._admission.note_time(stamp)
         self._last_stamp = stamp
         self._voltage = self._next_voltage(stamp, position)
 
@@ -154,10 +160,14 @@ class ControllerNode(Node):
     # Reference -----------------------------------------------------------------------------
 
     def _follow_reference(self, stamp: int) -> None:
-        """Take the reference from the parameters; the first measurement starts it."""
+        """Take the reference from the parameters.
+
+        In simulated time it begins with time, so that a controller that comes later, or anew, goes
+        on with it. Wall time has no beginning: there the first measurement starts it.
+        """
         begins = self._first_stamp is None
         if self._first_stamp is None:
-            self._first_stamp = stamp
+            self._first_stamp = 0 if self.get_parameter(USE_SIM_TIME).value else stamp
         reference_position = reference_at(self._reference, (stamp - self._first_stamp) * 1e-9)
         if begins or reference_position != self._reference_position:
             self._reference_position = reference_position
@@ -193,16 +203,21 @@ class ControllerNode(Node):
 
     def _health(self) -> Health:
         troubles = self._missed + self._restarts
-        ok = troubles == self._reported_troubles
+        texts = []
+        if troubles > self._reported_troubles:
+            texts.append("measurements missing or begun anew")
+        if self._stand_by.is_on:
+            texts.append("another controller answers: standing by")
         self._reported_troubles = troubles
         values = {
             "dead_zone_tolerance_m": self._settings.dead_zone_tolerance,
             "dead_zone_set_by": self._dead_zone_set_by,
             "reference_m": self._reference_position,
+            "reference_began_s": None if self._first_stamp is None else self._first_stamp * 1e-9,
             "missed_measurements": self._missed,
             "restarts": self._restarts,
         }
-        health = Health(ok, "controlling" if ok else "measurements missing or begun anew", values)
+        health = Health(not texts, "; ".join(texts) or "controlling", values)
         return self._admission.complete(health)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from rclpy.node import Node
 
+from bdt_msgs_py.clock_agreement import ClockAgreement
 from bdt_msgs_py.clock_check import ClockCheck
 from bdt_msgs_py.diagnostics import Health
 from bdt_msgs_py.rejection import MessageRejectedError, RejectedMessages
@@ -12,7 +13,7 @@ from bdt_msgs_py.topics import Topic
 
 
 class Admission:
-    """Counts what a node rejects, looks for rivals on its topics, and checks ``/clock``.
+    """Counts what a node rejects, looks for rivals on its topics, and checks times.
 
     Parameters
     ----------
@@ -26,7 +27,12 @@ class Admission:
         self._rejected = RejectedMessages(node.get_logger())
         self._publishers = SolePublisherCheck(node, sole_publisher)
         self._clock = ClockCheck(node, self._rejected)
+        self._agreement = ClockAgreement(node)
         self._reported = 0
+
+    def note_time(self, stamp: int) -> None:
+        """Note the stamp [ns] of an accepted message, which has to go with the node's clock."""
+        self._agreement.note(stamp)
 
     def reject(self, topic: Topic, error: MessageRejectedError) -> None:
         """Count a message of `topic` that is not obeyed."""
@@ -49,6 +55,8 @@ class Admission:
         if self._rejected.total > self._reported:
             texts.append("messages rejected")
         self._reported = self._rejected.total
+        if fault := self._agreement.fault():
+            texts.append(fault)
         contested = self._publishers.contested()
         if contested:
             texts.append(f"more than one publisher of {', '.join(contested)}")

@@ -31,7 +31,7 @@ class Followers:
     def __init__(self, names: Iterable[str]) -> None:
         self._telemetry_end: dict[str, int] = {name: -1 for name in names if name}
         self._earliest_action: dict[str, int] = dict.fromkeys(self._telemetry_end, 0)
-        self._heard_at: dict[str, float] = {}
+        self._came_on_at: dict[str, float] = {}
         self._newest_telemetry = 0
         self._lead = 0
 
@@ -82,14 +82,15 @@ class Followers:
                 f"{name} has worked on telemetry until {end / 1e9:.9g} s: must be "
                 f"{max(before, 0) / 1e9:.9g} to {self._newest_telemetry / 1e9:.9g} s",
             )
+        if end > before or earliest_action > self._earliest_action[name]:
+            self._came_on_at[name] = now
         self._telemetry_end[name] = end
         self._earliest_action[name] = earliest_action
-        self._heard_at[name] = now
         return True
 
-    def silent(self, names: Iterable[str], since: float) -> list[str]:
-        """Return which of the nodes have said nothing since a wall time [s]."""
-        return [name for name in names if self._heard_at.get(name, since) <= since]
+    def stuck(self, names: Iterable[str], since: float) -> list[str]:
+        """Return which of the nodes have not come on since a wall time [s], whatever they say."""
+        return [name for name in names if self._came_on_at.get(name, since) <= since]
 
     def blocking(self, time: int) -> list[str]:
         """Return the names of the nodes that do not yet let the plant pass `time` [ns]."""

@@ -190,7 +190,7 @@ class PlantNode(Node):
         return lagging or self._followers.blocking(self._simulator.nanoseconds)
 
     def _watch_lockstep(self) -> None:
-        """Begin, send again what may have been lost, give up when somebody says no more."""
+        """Begin, send again what may have been lost, give up when somebody does not come on."""
         now = time.monotonic()
         silence = now - self._last_advance
         if self.finished.done() or silence < self._settings.resend_period:
@@ -203,12 +203,12 @@ class PlantNode(Node):
             self.get_logger().info(f"waiting for {_awaited(blocking)}", throttle_duration_sec=5.0)
             self._waiting_for_command = self._everybody_is_here()
         elif silence > self._settings.lockstep_timeout:
-            # A node that is slow says so; one that is gone says nothing, whatever the others do.
-            silent = self._followers.silent(blocking, now - self._settings.lockstep_timeout)
-            if silent or not blocking:
-                self._give_up(silence, _awaited(silent))
+            # A node that is slow comes on; one that is gone or hangs does not, whatever it says.
+            stuck = self._followers.stuck(blocking, now - self._settings.lockstep_timeout)
+            if stuck or not blocking:
+                self._give_up(silence, _awaited(stuck))
                 return
-            text = f"waiting for {_awaited(blocking)}, which is there and not ready"
+            text = f"waiting for {_awaited(blocking)}, which is slow"
             self.get_logger().warning(text, throttle_duration_sec=5.0)
         if self._waiting_for_command:
             self._resent += self._control_step > 0

@@ -39,7 +39,8 @@ class PlantSettings:
     lockstep_timeout: float = quantity(
         10.0,
         "s",
-        "lockstep: wall time without an answer after which the node gives up",
+        "lockstep: wall time without a command, or without progress of a follower that is awaited, "
+        "after which the node gives up",
         minimum=0.1,
         maximum=1e6,
     )

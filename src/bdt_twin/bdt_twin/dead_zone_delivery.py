@@ -10,6 +10,7 @@ from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.topics import PROGRESS_PERIOD, Topic
 from bdt_twin.dead_zone_requests import DeadZoneRequests
 from bdt_twin.dead_zone_watch import DeadZoneWatch
+from bdt_twin.link import Reconfiguration
 from bdt_twin.reconfiguration import Reconfigurator
 from bdt_twin.twin_settings import TwinSettings
 
@@ -73,12 +74,18 @@ class DeadZoneDelivery:
         self.requests.drop()
         self._destroy_arrival_timer()
 
-    def deliver(self) -> None:
-        """Ask the controller for what has arrived; come back for what is still on its way."""
+    def deliver(self, unanswered: Reconfiguration | None = None) -> None:
+        """Ask the controller for what has arrived; come back for what is still on its way.
+
+        Parameters
+        ----------
+        unanswered : Reconfiguration or None
+            What was asked for without an answer: asked for again, unless a newer one has arrived.
+        """
         if self.requests.in_flight is not None:
             return
         now = self._node.get_clock().now().nanoseconds
-        arrived = self._reconfigurator.deliver(now)
+        arrived = self._reconfigurator.deliver(now) or unanswered
         if arrived is not None:
             self.in_force.request(arrived.tolerance)
             self.requests.send(arrived)
@@ -93,8 +100,8 @@ class DeadZoneDelivery:
         in_flight = self.requests.in_flight
         return in_flight.due if in_flight is not None else self._reconfigurator.next_due()
 
-    def _request_ended(self) -> None:
-        self.deliver()
+    def _request_ended(self, unanswered: Reconfiguration | None) -> None:
+        self.deliver(unanswered)
         self._progressed()
 
     def _look_for_controller(self) -> None:

@@ -30,7 +30,8 @@ class DeadZoneRequests:
     timeout : float
         Wall time [s] after which a request without an answer has failed.
     ended : callable
-        Called when a request has ended, whatever its end.
+        Called when a request has ended, whatever its end; with what was asked for if there was no
+        answer and it is still wanted.
 
     Attributes
     ----------
@@ -41,7 +42,11 @@ class DeadZoneRequests:
     """
 
     def __init__(
-        self, node: Node, controller: str, timeout: float, ended: Callable[[], object]
+        self,
+        node: Node,
+        controller: str,
+        timeout: float,
+        ended: Callable[[Reconfiguration | None], object],
     ) -> None:
         self._node, self._name, self._timeout, self._ended = node, controller, timeout, ended
         self._controller = full_name(node, controller)
@@ -51,13 +56,13 @@ class DeadZoneRequests:
         self._answer: Future[SetParameters.Response] | None = None
         self._publishers: set[tuple[int, ...]] = set()
         self._asked: set[tuple[int, ...]] = set()
-        self._is_there = False
+        self._is_there = self._is_dropped = False
         self.in_flight: Reconfiguration | None = None
         self.accepted = self.failed = 0
 
     def send(self, reconfiguration: Reconfiguration) -> None:
         """Ask the controller for a dead zone."""
-        self.in_flight = reconfiguration
+        self.in_flight, self._is_dropped = reconfiguration, False
         self._timers = [self._node.create_timer(self._timeout, self._give_up, clock=self._steady)]
         self._ask()
         if self._answer is None:
@@ -75,7 +80,8 @@ class DeadZoneRequests:
         return appeared
 
     def drop(self) -> None:
-        """Forget a request that waits for the service; one that was sent gets its answer."""
+        """Forget a request that waits for the service; one that was sent may still be answered."""
+        self._is_dropped = True
         if self._answer is None:
             self._clear()
 
@@ -119,15 +125,15 @@ class DeadZoneRequests:
             self._answer.cancel()
         self._is_there = False
         self._fail(f"no answer from {self._name} to a reconfiguration")
-        self._end()
+        self._end(None if self._is_dropped else self.in_flight)
 
     def _fail(self, text: str) -> None:
         self.failed += 1
         self._node.get_logger().warning(text, throttle_duration_sec=1.0)
 
-    def _end(self) -> None:
+    def _end(self, unanswered: Reconfiguration | None = None) -> None:
         self._clear()
-        self._ended()
+        self._ended(unanswered)
 
     def _clear(self) -> None:
         self.in_flight = self._answer = None

@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from bdt_msgs_py.quantities import quantity, validate
 from bdt_twin.estimator import Estimate
 
@@ -33,6 +35,15 @@ class DeadZoneSettings:
         "time for which a dead zone is to hold once it is in force: until the next one comes",
         minimum=0.0,
         maximum=1e3,
+    )
+    largest_growth: float = quantity(
+        float(np.deg2rad(20.0)),
+        "rad",
+        "largest gap that is added to the estimate for growth and uncertainty together: in a loop "
+        "that rests nothing is learned, and without a bound both would grow until the dead zone "
+        "is wider than the next step",
+        minimum=0.0,
+        maximum=100.0,
     )
     minimum: float = quantity(
         0.0, "m", "smallest tolerance that is commanded", minimum=0.0, maximum=1.0
@@ -100,6 +111,11 @@ class DeadZoneRule:
         Margin, range and rate.
     pitch : float
         Pitch p of the lead screw [m/rad].
+
+    Attributes
+    ----------
+    is_bounded : bool
+        Whether doubt asks for more than ``largest_growth`` in the last tolerance.
     """
 
     def __init__(self, settings: DeadZoneSettings, pitch: float) -> None:
@@ -110,11 +126,15 @@ class DeadZoneRule:
     def restart(self) -> None:
         """Forget what was commanded; the next tolerance may be any in the range."""
         self._last: tuple[float, float] | None = None
+        self.is_bounded = False
 
     def tolerance(self, estimate: Estimate, time: float) -> float:
         """Return the tolerance epsilon_dz [m] that is to take effect at `time` [s]."""
         settings = self._settings
         bound = gap_bound(estimate, time + settings.horizon, settings.coverage_factor)
+        largest = estimate.gap + settings.largest_growth
+        self.is_bounded = bound > largest
+        bound = min(bound, largest)
         wanted = tolerance_for_gap(bound + settings.margin, self._pitch)
         wanted = min(max(wanted, settings.minimum), settings.maximum)
         if self._last is not None:

@@ -18,6 +18,9 @@ LARGEST_BACKLOG = 5.0
 Well above what a plant in lockstep runs ahead, whose results may not depend on the computer.
 """
 
+LONGEST_END = 5.0
+"""Wall time [s] that an estimator may take to its end; one that hangs never comes to it."""
+
 
 class Outcome(NamedTuple):
     """What came of one batch, or of several that had to wait.
@@ -117,11 +120,11 @@ class EstimationThread:
         return collected
 
     def close(self) -> None:
-        """End the thread once the window is done that it works on."""
+        """End the thread once the window is done that it works on; leave one that hangs alone."""
         with self._changed:
             self._ended = True
             self._changed.notify()
-        self._thread.join()
+        self._thread.join(LONGEST_END)
 
     def _run(self) -> None:
         try:

@@ -20,6 +20,11 @@ class Reconfigurator:
         self._rule = rule
         self._link = link
 
+    @property
+    def is_bounded(self) -> bool:
+        """Whether the gap is so unsure that its bound, not doubt, sets the dead zone."""
+        return self._rule.is_bounded
+
     def send(self, estimate: Estimate, now: int) -> float | None:
         """Send a dead zone at the time `now` [ns], unless nothing is known of the gap.
 

@@ -41,6 +41,8 @@ from bdt_twin.link import DelayedLink
 from bdt_twin.parameters import PARAMETERS
 from bdt_twin.reconfiguration import Reconfigurator
 
+BOUNDED = "the gap is too uncertain: dead_zone.largest_growth bounds the dead zone"
+
 
 class TwinNode(Node):
     """Estimates the gap from telemetry and sets the controller's dead zone over a slow link.
@@ -144,6 +146,7 @@ class TwinNode(Node):
             self._estimation.put_hole(admitted.hole)
         for number, rows in enumerate(admitted.batches):
             self._received = nanoseconds_from_seconds(rows[-1, 0])
+            self._admission.note_time(self._received)
             self._estimation.put(rows, begins=admitted.begins and number == 0)
 
     def _simulated_time(self) -> float | None:
@@ -169,11 +172,11 @@ class TwinNode(Node):
             if outcome.begins:
                 self._delivery.restart()
                 self._estimate = None
-            self._window_time = outcome.seconds
             if math.isfinite(outcome.newest):
                 self._telemetry_end = nanoseconds_from_seconds(outcome.newest)
                 self._batch_samples = outcome.samples
             if outcome.estimate is not None:
+                self._window_time = outcome.seconds
                 self._use(outcome.estimate)
             self._publish_progress()
 
@@ -182,7 +185,10 @@ class TwinNode(Node):
         self._estimate = estimate
         tolerance = None
         if self._settings.reconfigure:
+            was_bounded = self._reconfigurator.is_bounded
             tolerance = self._reconfigurator.send(estimate, self._telemetry_end)
+            if self._reconfigurator.is_bounded and not was_bounded:
+                self.get_logger().warning(BOUNDED)
         if estimate.is_known:
             self._estimate_publisher.publish(
                 gap_estimate(
@@ -238,8 +244,13 @@ class TwinNode(Node):
 
     def _health(self) -> Health:
         troubles = self._delivery.requests.failed + self._estimator_errors
-        ok = troubles == self._reported_troubles
+        texts = []
+        if troubles > self._reported_troubles:
+            texts.append("estimator or reconfiguration failed")
         self._reported_troubles = troubles
+        is_bounded = self._settings.reconfigure and self._reconfigurator.is_bounded
+        if is_bounded:
+            texts.append(BOUNDED)
         values = {
             "estimator": self._choice.kind,
             "estimates": self._estimates,
@@ -252,13 +263,14 @@ class TwinNode(Node):
             "reconfigure": self._settings.reconfigure,
             "dead_zone_in_force_m": self._delivery.in_force.tolerance,
             "dead_zone_set_by": self._delivery.in_force.set_by,
+            "dead_zone_at_bound": is_bounded,
             "reconfigurations": self._delivery.requests.accepted,
             "failed_reconfigurations": self._delivery.requests.failed,
             "lost_reconfigurations": self._link.lost,
             "overtaken_reconfigurations": self._link.overtaken,
         }
-        words = "estimating" if ok else "estimator or reconfiguration failed"
-        return self._admission.complete(Health(ok, words, values))
+        health = Health(not texts, "; ".join(texts) or "estimating", values)
+        return self._admission.complete(health)
 
 
 def main(args: list[str] | None = None) -> None:

@@ -17,7 +17,7 @@ class TwinSettings:
     service_timeout: float = quantity(
         2.0,
         "s",
-        "wall time after which an unanswered reconfiguration counts as failed",
+        "wall time after which an unanswered reconfiguration counts as failed and is tried again",
         minimum=0.01,
         maximum=1e4,
     )

@@ -8,6 +8,7 @@ from bdt_bags.reading.completeness import (
     lost_in_queue,
     lost_messages,
     missing_batches,
+    missing_in_loop,
     missing_stamps,
 )
 from bdt_bags.reading.recording import load_recording
@@ -15,6 +16,11 @@ from bdt_bags.reading.recording_clock import MessageTimes
 from bdt_msgs_py.topics import COMMAND, MEASUREMENT, TELEMETRY
 
 PERIOD = 0.002
+
+
+def stamp_of(item):
+    stamp = item[3].header.stamp
+    return stamp.sec + stamp.nanosec * 1e-9
 
 
 @pytest.mark.parametrize(("topic", "every"), [(MEASUREMENT, 700), (COMMAND, 700), (TELEMETRY, 7)])
@@ -27,6 +33,43 @@ def test_lost_messages(following_loop, tmp_path, topic, every):
     recording = load_recording(messages.write(tmp_path / "bag"))
     assert lost_messages(recording) == (len(dropped), 0)
     assert late_beginnings(recording) == ()
+
+
+def test_a_measurement_that_was_never_sent_is_one_message_and_has_no_command(
+    following_loop, tmp_path
+):
+    """A plant that gets no processor leaves steps out; nobody answers what was not asked."""
+    messages = following_loop.without()
+    for topic in (MEASUREMENT, COMMAND):
+        sent = [x for x in messages.items if x[0] == f"/{topic.name}"]
+        unsent = {id(x) for x in sent if 3.0 <= stamp_of(x) < 3.08}
+        messages.items = [x for x in messages.items if id(x) not in unsent]
+    recording = load_recording(messages.write(tmp_path / "bag"))
+    assert lost_messages(recording) == (40, 0)
+
+
+def test_commands_without_measurements_are_counted_by_their_period(following_loop, tmp_path):
+    numbers = [k for k, x in enumerate(following_loop.items) if x[0] == f"/{COMMAND.name}"]
+    dropped = set(numbers[1::700])
+    messages = following_loop.without()
+    messages.items = [
+        x
+        for k, x in enumerate(messages.items)
+        if k not in dropped and x[0] != f"/{MEASUREMENT.name}"
+    ]
+    recording = load_recording(messages.write(tmp_path / "bag"))
+    assert lost_messages(recording).total == len(dropped)
+
+
+def test_what_a_queue_has_lost_of_both_topics_are_two_messages_each():
+    stamps = np.arange(500) * PERIOD
+    delayed = stamps.copy()
+    delayed[140:150] = stamps[150] - 1e-5 * (150 - np.arange(140, 150))
+    kept = np.delete(np.arange(500), np.arange(100, 140))
+    times = MessageTimes(stamps[kept], delayed[kept])
+    assert missing_in_loop(times, times, stamps[-1]) == (80, 80)
+    on_time = MessageTimes(stamps[kept], stamps[kept])
+    assert missing_in_loop(on_time, on_time, stamps[-1]) == (40, 0)
 
 
 def test_recording_that_began_late_has_lost_nothing(following_loop, tmp_path):

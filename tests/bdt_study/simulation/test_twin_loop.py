@@ -1,6 +1,7 @@
 """The compiled loop with the twin against the plain Python loop, which the nodes equal."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -12,14 +13,19 @@ from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters
+from bdt_study.evaluation.trial import MARGIN
 from bdt_study.simulation.closed_loop import Scenario, simulate
 from bdt_study.simulation.twin_loop import simulate_with_twin
 from bdt_twin.dead_zone_tolerance import DeadZoneSettings, tolerance_for_gap
 from bdt_twin.estimator import Estimate
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.link import LinkSettings
+from bdt_twin.output_error import OutputErrorEstimator
+from bdt_twin.output_error_settings import OutputErrorSettings
 
 SCENARIO = Scenario(6.0, ReferenceProfile(step_time=2.0), GapProfile(growth_time=8.0))
+
+PITCH = PlantModel().lead_screw.pitch
 
 NOISY = SensorParameters(noise=1e-14, quantization=1e-15, delay=4e-4)
 """A sensor whose readings this estimator stands."""
@@ -121,3 +127,34 @@ def test_any_estimator_will_do_and_the_dead_zone_is_a_bound_when_it_takes_effect
     run = simulate_with_twin(SCENARIO, Certain(), link(0.33), settings)
     bound = 0.2 + 2.0 * 0.01 + 0.01 * 0.33
     assert run.tolerances[-1] == pytest.approx(bound * PlantModel().lead_screw.pitch, rel=1e-12)
+
+
+def test_a_loop_that_has_rested_for_long_follows_the_next_step_and_learns_again():
+    """Laboratory.yaml's dead zone; doubt that grows 250 times as fast stands for a long rest."""
+    changes = [*range(0, 16, 4), 60, 64, 68]
+
+    def reference(time):
+        return 0.0 if np.searchsorted(changes, time, side="right") % 2 else 2e-3
+
+    scenario = Scenario(
+        72.0,
+        reference,
+        GapProfile(kind="constant", initial=np.deg2rad(10.0)),
+        sampling=Sampling(sampling_rate=1000.0),
+        sensor=SensorParameters(noise=1e-6, quantization=1e-7),
+    )
+    estimator = OutputErrorEstimator(
+        PlantModel(),
+        OutputErrorSettings(growth_change=np.deg2rad(5.0), window=8.0, update_period=2.0),
+        1000.0,
+    )
+    result = simulate_with_twin(scenario, estimator, dead_zone=MARGIN, keep=("q3",))
+    at_rest = [one for one in result.estimates if 50.0 < one.time + one.age < 60.0]
+    assert all(one.reason for one in at_rest)
+    assert tolerance_for_gap(2.0 * at_rest[-1].uncertainty, PITCH) > 2e-3
+    assert not result.estimates[-1].reason
+    assert math.degrees(result.estimates[-1].gap) == pytest.approx(10.0, abs=1.0)
+    for end in (64, 68, 72):
+        tail = slice((end - 1) * 1000, end * 1000)
+        bias = np.mean(result.loop.q3[tail]) - reference(end - 0.5)
+        assert abs(bias) < 0.05 * 2e-3

@@ -17,6 +17,9 @@ from bdt_analysis.pages.timing_tables import reconfiguration_table, timing_table
 from bdt_analysis.re_estimation.re_estimation import ReEstimation
 from bdt_bags.reading.recording import Recording
 
+LARGEST_BIAS = 5.0
+"""Bias [% of the height] of a step beyond which the position has not come to the reference."""
+
 MISSING = "–"  # noqa: RUF001 - a dash stands for an unknown value
 
 
@@ -27,7 +30,7 @@ class Verdict:
     Attributes
     ----------
     good : bool
-        True when every step was judged and none ends in a limit cycle.
+        True when a step was judged, none ends in a limit cycle and all end at the reference.
     headline : str
         The answer: is the loop stable?
     details : str
@@ -49,7 +52,10 @@ def verdict(summary: Summary) -> Verdict:
     """
     judged = [step for step in summary.steps if step.limit_cycle is not None]
     cycles = summary.limit_cycles
-    lost = [step for step in summary.steps if abs(step.bias_percent_of_amplitude or 0.0) > 100.0]
+    off = [
+        step for step in summary.steps if abs(step.bias_percent_of_amplitude or 0.0) > LARGEST_BIAS
+    ]
+    lost = [step for step in off if abs(step.bias_percent_of_amplitude or 0.0) > 100.0]
     if lost:
         headline = (
             f"Not stable: the position is off by more than the step in {_steps(len(lost))}, "
@@ -62,13 +68,19 @@ def verdict(summary: Summary) -> Verdict:
             f"Not stable: limit cycle in {len(cycles)} of {_steps(len(judged))}, "
             f"first in the one that begins at {cycles[0].t_start_s:.6g} s"
         )
+    elif off:
+        headline = (
+            f"Not at the reference: the position stays off by more than {LARGEST_BIAS:g} % of the "
+            f"step in {_steps(len(off))}, first in the one that begins at "
+            f"{off[0].t_start_s:.6g} s"
+        )
     else:
         headline = f"Stable throughout: no limit cycle in {_steps(len(judged))}"
     left_out = len(summary.steps) - len(judged)
     if judged and left_out:
         headline += f" ({left_out} not judged)"
     return Verdict(
-        bool(judged) and not cycles and not lost, headline, "; ".join(_details(summary)) + "."
+        bool(judged) and not cycles and not off, headline, "; ".join(_details(summary)) + "."
     )
 
 

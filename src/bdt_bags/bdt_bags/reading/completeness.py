@@ -44,7 +44,8 @@ def lost_messages(recording: Recording) -> LostMessages:
     Stamps lie on a regular grid, so holes in it are countable. What is missing at the end counts
     as far as other topics reach. What came before the first message of a topic that was recorded
     is not lost: the recorder was not there yet, see :func:`late_beginnings`. A topic that was not
-    recorded is not lost either, and a message that was sent twice is not missing.
+    recorded is not lost either, and a message that was sent twice is not missing. A command answers
+    a measurement: where a measurement is missing, its command counts only if a queue has lost it.
 
     Parameters
     ----------
@@ -53,11 +54,16 @@ def lost_messages(recording: Recording) -> LostMessages:
     """
     streams = [x for x in (recording.measurements, recording.commands) if x.stamps.size]
     times = recording.sample_times
-    total = sum(missing_stamps(stream.stamps, float(times[-1])) for stream in streams)
+    end = float(times[-1])
+    if len(streams) == 2:
+        total, in_queue = missing_in_loop(streams[0], streams[1], end)
+    else:
+        total = sum(missing_stamps(stream.stamps, end) for stream in streams)
+        in_queue = sum(map(lost_in_queue, streams))
     if recording.batch_rows:
         last_stamp = max((float(stream.stamps.max()) for stream in streams), default=math.nan)
         total += missing_batches(times, recording.batch_rows, last_stamp)
-    return LostMessages(total, sum(map(lost_in_queue, streams)))
+    return LostMessages(total, in_queue)
 
 
 def late_beginnings(recording: Recording) -> tuple[str, ...]:
@@ -81,6 +87,30 @@ def late_beginnings(recording: Recording) -> tuple[str, ...]:
         for name, (first, period) in firsts.items()
         if math.isfinite(period) and first - begin > _LATE_PERIODS * period
     )
+
+
+def missing_in_loop(
+    measurements: MessageTimes, commands: MessageTimes, end: float
+) -> tuple[int, int]:
+    """Return how many measurements and commands are missing, and how many of them in a queue.
+
+    Parameters
+    ----------
+    measurements, commands : MessageTimes
+        What was recorded.
+    end : float
+        Time up to which there should be stamps [s].
+    """
+    asked, answered = np.unique(measurements.stamps), np.unique(commands.stamps)
+    holes = missing_stamps(asked, end), missing_stamps(answered, end)
+    in_queue = lost_in_queue(measurements), lost_in_queue(commands)
+    expected = asked[(asked >= answered[0]) & (asked <= end)]
+    # A thousandth of a period of room: the stamps of both may be rounded differently.
+    room = 1e-3 * _period(asked)
+    nearest = answered[np.clip(np.searchsorted(answered, expected - room), 0, answered.size - 1)]
+    unanswered = int((np.abs(nearest - expected) > room).sum())
+    unasked = max(holes[1] - unanswered, 0)
+    return holes[0] + unanswered + min(unasked, in_queue[1]), sum(in_queue)
 
 
 def missing_stamps(stamps: FloatArray, end: float) -> int:
