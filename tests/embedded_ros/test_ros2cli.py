@@ -102,7 +102,7 @@ def test_nodes(robot):
 
 
 def test_a_node_that_tells_its_name_late_is_waited_for(robot):
-    graph = robot._session.graph
+    graph = robot.context.handle.graph
     nodes = graph._own
     graph.leave()
     with subprocess.Popen([*COMMAND, "node", "list"], stdout=subprocess.PIPE, text=True) as process:
