@@ -7,6 +7,7 @@ from typing import Any
 from bdt_analysis.export import FOLDER, export
 from bdt_analysis.figures.figure_style import svg_text, write_png
 from bdt_analysis.figures.run_figures import overview_figure, residual_figure
+from bdt_analysis.metrics.recording_holes import find_holes, hole_limits
 from bdt_analysis.metrics.reference_steps import ReferenceStep, find_steps
 from bdt_analysis.metrics.summary import Summary, summarize
 from bdt_analysis.pages.report import render_report
@@ -61,7 +62,12 @@ def analyze(
         If the gap cannot be estimated with these settings.
     """
     recording = load_recording(Path(bag), selection, run)
-    steps = find_steps(recording.reference, recording.telemetry, recording.sample_time)
+    steps = find_steps(
+        recording.reference,
+        recording.telemetry,
+        recording.sample_time,
+        hole_limits(find_holes(recording)),
+    )
     re_estimation = None
     if settings is not None:
         re_estimation = re_estimate(recording, estimator_setup(recording, settings))

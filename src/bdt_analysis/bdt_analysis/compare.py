@@ -88,9 +88,11 @@ def comparison_page(runs: Sequence[ComparedRun]) -> str:
         From :func:`bdt_analysis.metrics.compared_runs.load_runs`.
     """
     stable = sum(not run.summary.limit_cycles for run in runs)
+    holed = sum(bool(run.summary.holes) for run in runs)
+    holes = f", {holed} with holes: a step with one is not judged" if holed else ""
     return render_page(
         "comparison.html",
-        headline=f"{len(runs)} runs, {stable} of them without a limit cycle",
+        headline=f"{len(runs)} runs, {stable} of them without a limit cycle" + holes,
         runs=[(run.name, str(run.recording.path)) for run in runs],
         picture=svg_text(comparison_figure(runs), "comparison"),
         plots=interactive_part(
