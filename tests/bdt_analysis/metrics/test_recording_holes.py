@@ -29,7 +29,7 @@ def null(step):
     return values == (None,) * 4
 
 
-def test_a_recorder_that_was_paused_hides_a_step(linear_loop, following_loop, tmp_path):
+def test_a_recorder_that_was_paused_hides_a_step(following_loop, tmp_path):
     """Steps begin at 0, 5, 10 and 15 s; that at 10 s was not recorded."""
     bag = without(following_loop, 7.0, 13.0).write(tmp_path / "bag")
     summary = analyze(bag, tmp_path / "output")
@@ -77,6 +77,13 @@ def test_a_controller_that_was_paused_is_not_judged(following_loop, tmp_path):
 def test_a_controller_that_ended_early_is_not_judged(following_loop, tmp_path):
     bag = without(following_loop, 12.0, 99.0, COMMAND).write(tmp_path / "bag")
     assert [null(step) for step in analyze(bag, None).steps] == [False, False, True, True]
+
+
+@pytest.mark.parametrize(("first", "judged"), [(0.5, True), (3.5, False)])
+def test_a_controller_that_answers_late_is_not_judged(following_loop, tmp_path, first, judged):
+    """A recorder that comes later finds one topic after the other."""
+    bag = without(following_loop, -1.0, first, COMMAND).write(tmp_path / "bag")
+    assert null(analyze(bag, None).steps[0]) is not judged
 
 
 def test_a_lost_batch_is_a_hole_and_a_lost_sample_or_late_command_none(following_loop, tmp_path):

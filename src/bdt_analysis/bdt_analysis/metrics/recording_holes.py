@@ -17,6 +17,9 @@ LONGEST_SILENCE = 0.1
 """Longest time without a command [s] that belongs to the loop, as a computer that is late does:
 less than a period of the structure."""
 
+FIRST_COMMAND = 1.0
+"""Time [s] within which a recorder that comes to a running loop has found all of its topics."""
+
 _PERIODS = 2.5
 """So many periods make no hole: one message that is missing."""
 
@@ -33,8 +36,8 @@ class RecordingHole:
     topic : str
         What is missing.
     begins_s, ends_s : float
-        Times of the last sample or stamp before and of the first one behind it [s]; the end of
-        the telemetry where none comes behind.
+        Times of the last sample or stamp before and of the first one behind it [s]; begin and end
+        of the telemetry where there is none.
     """
 
     topic: str
@@ -67,7 +70,10 @@ def find_holes(recording: Recording) -> tuple[RecordingHole, ...]:
     if stamps.size > 1:
         longest = max(LONGEST_SILENCE, _PERIODS * float(np.median(np.diff(stamps))))
         end = max(float(recording.sample_times[-1]), float(stamps[-1]))
-        gaps = _gaps(np.append(stamps, end), longest)
+        gaps = [*_gaps(np.append(stamps, end), longest)]
+        begin = float(recording.sample_times[0])
+        if stamps[0] > begin + FIRST_COMMAND:
+            gaps.insert(0, (begin, float(stamps[0])))
         found += [RecordingHole(COMMAND.name, *gap) for gap in gaps]
     return tuple(sorted(found, key=lambda hole: hole.begins_s))
 
