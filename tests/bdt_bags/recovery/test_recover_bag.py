@@ -6,6 +6,7 @@ import yaml
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from bdt_bags.file_checksums import checksum_entry
 from bdt_bags.reading.bag_reader import BagError
 from bdt_bags.recovery import damaged_mcap_file as damaged_mcap_module
 from bdt_bags.recovery import recover_bag as recover_module
@@ -47,6 +48,8 @@ def test_a_whole_bag_is_copied(small_bag, small_messages, storage, compression, 
     custom = {"recovered_from": "bag", "bytes_not_understood": "0"}
     if metadata:
         custom["messages_dropped"] = "2"
+    if (recovery.output / "bag_recovered_0.db3").exists():
+        custom |= [checksum_entry(recovery.output / "bag_recovered_0.db3")]
     assert information(recovery.output)["custom_data"] == custom
 
 

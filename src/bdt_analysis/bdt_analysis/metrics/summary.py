@@ -42,8 +42,8 @@ class Summary:
         The steps of the reference.
     estimate : EstimateSummary
         Estimate against truth, and its lag.
-    reconfigurations : int
-        Number of times that the controller's dead zone was set.
+    reconfigurations : int or None
+        Number of times that the controller's dead zone was set; None without parameter events.
     dead_zone_final_m : float or None
         Dead-zone tolerance at the end [m].
     messages : mapping of str to int
@@ -73,7 +73,7 @@ class Summary:
     real_time_factor: float | None
     steps: tuple[StepSummary, ...]
     estimate: EstimateSummary
-    reconfigurations: int
+    reconfigurations: int | None
     dead_zone_final_m: float | None
     messages: Mapping[str, int]
     messages_left_out: Mapping[str, int]

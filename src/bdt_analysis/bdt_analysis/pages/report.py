@@ -192,7 +192,7 @@ def _tiles(summary: Summary) -> list[tuple[str, str, str]]:
             "µm",
         ),
         ("gap error, rms", number(errors.stated_rms_error_rad, ".3f", math.degrees(1)), "deg"),
-        ("reconfigurations", str(summary.reconfigurations), ""),
+        ("reconfigurations", number(summary.reconfigurations, ".0f"), ""),
         ("simulated time", number(summary.duration_s, ".5g"), "s"),
         ("pace", number(summary.real_time_factor, ".3g"), "× real time"),  # noqa: RUF001
     ]

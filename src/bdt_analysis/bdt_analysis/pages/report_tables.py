@@ -108,7 +108,7 @@ def _estimate_table(recording: Recording, summary: Summary) -> Table:
             "deg",
         ),
         ("worst lag of the dead zone", number(errors.worst_lag_s, ".3f"), "s"),
-        ("reconfigurations", str(summary.reconfigurations), ""),
+        ("reconfigurations", number(summary.reconfigurations, ".0f"), ""),
         ("dead zone at the end", number(final, ".2f", 1e6), "µm"),
         ("dead zone at the end, as a gap", number(angle, ".2f", degrees), "deg"),
         ("true gap at the end", number(gap, ".2f", degrees), "deg"),

@@ -4,6 +4,7 @@ Reading is by ``rosbags`` alone, so a bag can be looked at where there is no ROS
 ever opened for reading.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
@@ -225,6 +226,7 @@ def _fill(path: Path, reader: Reader, topics: Mapping[Topic, RawTopic], limit: i
             )
     if not wanted:  # for the reader, none means all
         return limit
+    found: Counter[int] = Counter()
     for connection, received, stored in reader.messages(wanted):
         raw = by_name[connection.topic, connection.msgtype]
         data = _message(path, raw, received, stored, limit)
@@ -233,6 +235,13 @@ def _fill(path: Path, reader: Reader, topics: Mapping[Topic, RawTopic], limit: i
             raise BagError(f"bag {path}: holds more data than a bag of its size may")
         raw.received.append(received)
         raw.data.append(data)
+        found[connection.id] += 1
+    for connection in wanted:
+        if found[connection.id] < connection.msgcount:
+            raise BagError(
+                f"bag {path}: declares {connection.msgcount} messages of {connection.topic}: "
+                f"only {found[connection.id]} can be read"
+            )
     return limit
 
 

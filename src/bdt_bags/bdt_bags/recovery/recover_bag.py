@@ -14,6 +14,7 @@ import zstandard
 
 from bdt_bags.bag_error import BagError, one_line
 from bdt_bags.bag_format import COMPRESSED_SUFFIX, METADATA_FILE, STORAGE_OF_SUFFIX
+from bdt_bags.file_checksums import PREFIX
 from bdt_bags.reading.bounded_decompression import PIECE, allowed_size
 from bdt_bags.recovery.damaged_file import Damage, DamagedFile
 from bdt_bags.recovery.damaged_mcap_file import DamagedMcapFile
@@ -184,7 +185,11 @@ def _custom_data(metadata: dict[str, Any], recovery: Recovery) -> dict[str, str]
     known = metadata.get("custom_data")
     kept = known if isinstance(known, dict) else {}
     return {
-        **{str(key): str(value) for key, value in kept.items() if key not in UNFINISHED},
+        **{
+            str(key): str(value)
+            for key, value in kept.items()
+            if key not in UNFINISHED and not str(key).startswith(PREFIX)
+        },
         "recovered_from": recovery.source.name,
         "bytes_not_understood": str(sum(one.byte_count for one in recovery.damage.values())),
     }
