@@ -16,6 +16,7 @@ from bdt_analysis.re_estimation.re_estimation import ReEstimation, re_estimate
 from bdt_bags.bag_error import BagError
 from bdt_bags.reading.recording import Recording, load_recording
 from bdt_bags.reading.topic_selection import TopicSelection
+from bdt_msgs_py.output_files import real_path
 
 SUMMARY_FILE = "summary.json"
 REPORT_FILE = "report.html"
@@ -81,7 +82,7 @@ def analyze(
 def _prepare(output: Path, bag: Path) -> None:
     """Create the folder; refuse one that is a bag or lies in it."""
     try:
-        folder, source = output.resolve(), bag.resolve()
+        folder, source = real_path(output), real_path(bag)
         if folder.is_relative_to(source) or (folder / "metadata.yaml").exists():
             raise BagError(f"output {output}: is a bag, which is left as it is: must be elsewhere")
         folder.mkdir(parents=True, exist_ok=True)

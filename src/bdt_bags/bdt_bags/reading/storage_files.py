@@ -25,6 +25,25 @@ from bdt_bags.reading.sqlite_check import check_sqlite
 ROS_1_MAGIC = b"#ROSBAG V"
 SUFFIXES = (*STORAGE_OF_SUFFIX, COMPRESSED_SUFFIX)
 
+DAMAGED = (
+    "is damaged",
+    "is cut off",
+    "has no end",
+    "has a damaged",
+    "is a damaged",
+    "is not an intact",
+    "record at byte",
+    "chunk",
+    "zstd data is damaged",
+    "lz4 data is damaged",
+)
+"""How errors begin of a file that may hold messages all the same."""
+
+
+def recovery_hint(bag: Path) -> str:
+    """Return what there is to do about a damaged bag, to be put behind the error."""
+    return f"; bdt recover {bag} makes a whole bag of what is left"
+
 
 @contextmanager
 def storage_files(path: Path) -> Iterator[list[Path]]:
@@ -100,7 +119,8 @@ def _readable(bag: Path, recorded: RecordedFile, copy: Path) -> Path:
         else:
             check_mcap(file)
     except BagError as error:
-        raise BagError(f"bag {bag}: {name}{error}") from None
+        hint = recovery_hint(bag) if str(error).startswith(DAMAGED) else ""
+        raise BagError(f"bag {bag}: {name}{error}{hint}") from None
     # The reader tells files by their suffix, and gives sqlite the name as an URI, unquoted.
     if file.suffix != suffix or set("?#%") & set(str(file)):
         link = copy.with_suffix(suffix)

@@ -23,6 +23,7 @@ from bdt_bags.recovery.decompression import LARGEST_CHUNK, decompressed_zstd
 from bdt_bags.writing.bag_files import BagFiles
 from bdt_bags.writing.metadata_file import UNFINISHED
 from bdt_bags.writing.topic_metadata import BagWriteError, SerializedMessage
+from bdt_msgs_py.output_files import real_path
 
 _BATCH = 10_000
 
@@ -233,7 +234,7 @@ def _place(file: Path) -> tuple[list[int], str]:
 
 
 def _beside(source: Path) -> Path:
-    resolved = source.resolve()
+    resolved = real_path(source)
     name = resolved.name
     if source.is_file():
         name = name.removesuffix(COMPRESSED_SUFFIX)

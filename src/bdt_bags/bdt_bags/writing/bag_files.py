@@ -153,6 +153,9 @@ class BagFiles:
                 file.finish(information)
                 self._ended.popleft()
             if current is not None:
+                if not current.path.exists():
+                    # The system goes on to take what nobody will ever find.
+                    raise BagWriteError(f"{current.path.name} was deleted or moved")
                 current.sync()
             if self._synced_names < names:
                 self._sync_folder()
