@@ -33,7 +33,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "bdt = bdt_bringup.cli:main",
+            "bdt = bdt_bringup.program:main",
         ],
         "bdt.command": [
             "config = bdt_bringup.commands.config:COMMAND",

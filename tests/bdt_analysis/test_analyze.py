@@ -55,6 +55,7 @@ def test_summary_file_has_the_agreed_fields(analyzed):
         "messages_left_out",
         "missing_samples",
         "missing",
+        "holes",
         "timing",
         "reconfiguration_delay",
         "re_estimation",

@@ -27,3 +27,9 @@ def test_an_update_period_of_broken_samples_is_refused():
 @pytest.mark.parametrize(("rate", "block"), [(5000.0, 25), (1000.0, 5), (500.0, 2), (50.0, 1)])
 def test_a_block_has_the_samples_of_a_period_of_the_residual(rate, block):
     assert OutputErrorSettings().samples_per_block(rate) == block
+
+
+def test_a_residual_rate_that_leaves_a_stretch_without_a_period_is_refused():
+    OutputErrorSettings(residual_rate=2.0)
+    with pytest.raises(ValueError, match=r"residual_rate = 1\.0 Hz: must be at least 2 Hz"):
+        OutputErrorSettings(residual_rate=1.0)

@@ -7,6 +7,7 @@ from typing import Any
 from bdt_analysis.export import FOLDER, export
 from bdt_analysis.figures.figure_style import svg_text, write_png
 from bdt_analysis.figures.run_figures import overview_figure, residual_figure
+from bdt_analysis.metrics.recording_holes import find_holes, hole_limits
 from bdt_analysis.metrics.reference_steps import ReferenceStep, find_steps
 from bdt_analysis.metrics.summary import Summary, summarize
 from bdt_analysis.pages.report import render_report
@@ -15,6 +16,7 @@ from bdt_analysis.re_estimation.re_estimation import ReEstimation, re_estimate
 from bdt_bags.bag_error import BagError
 from bdt_bags.reading.recording import Recording, load_recording
 from bdt_bags.reading.topic_selection import TopicSelection
+from bdt_msgs_py.output_files import real_path
 
 SUMMARY_FILE = "summary.json"
 REPORT_FILE = "report.html"
@@ -61,7 +63,12 @@ def analyze(
         If the gap cannot be estimated with these settings.
     """
     recording = load_recording(Path(bag), selection, run)
-    steps = find_steps(recording.reference, recording.telemetry, recording.sample_time)
+    steps = find_steps(
+        recording.reference,
+        recording.telemetry,
+        recording.sample_time,
+        hole_limits(find_holes(recording)),
+    )
     re_estimation = None
     if settings is not None:
         re_estimation = re_estimate(recording, estimator_setup(recording, settings))
@@ -75,7 +82,7 @@ def analyze(
 def _prepare(output: Path, bag: Path) -> None:
     """Create the folder; refuse one that is a bag or lies in it."""
     try:
-        folder, source = output.resolve(), bag.resolve()
+        folder, source = real_path(output), real_path(bag)
         if folder.is_relative_to(source) or (folder / "metadata.yaml").exists():
             raise BagError(f"output {output}: is a bag, which is left as it is: must be elsewhere")
         folder.mkdir(parents=True, exist_ok=True)

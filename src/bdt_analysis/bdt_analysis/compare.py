@@ -25,6 +25,7 @@ from bdt_analysis.pages.table import Table
 from bdt_analysis.pages.timing_tables import timing_tables
 from bdt_bags.bag_error import BagError
 from bdt_bags.reading.topic_selection import TopicSelection
+from bdt_msgs_py.output_files import prepare_output, real_path
 
 TERMINAL_COLUMNS = (
     "run",
@@ -64,10 +65,10 @@ def run_comparison(
     if len(bags) < 2:
         raise BagError(f"compare: has {len(bags)} bag: must have two or more")
     _check_output(output)
+    prepare_output("--output", output)
     runs = load_runs(bags, selection)
     page = comparison_page(runs)
     try:
-        output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text(page, encoding="utf-8")
     except OSError as error:
         raise BagError(f"--output {output}: cannot be written: {error.strerror or error}") from None
@@ -88,9 +89,11 @@ def comparison_page(runs: Sequence[ComparedRun]) -> str:
         From :func:`bdt_analysis.metrics.compared_runs.load_runs`.
     """
     stable = sum(not run.summary.limit_cycles for run in runs)
+    holed = sum(bool(run.summary.holes) for run in runs)
+    holes = f", {holed} with holes: a step with one is not judged" if holed else ""
     return render_page(
         "comparison.html",
-        headline=f"{len(runs)} runs, {stable} of them without a limit cycle",
+        headline=f"{len(runs)} runs, {stable} of them without a limit cycle" + holes,
         runs=[(run.name, str(run.recording.path)) for run in runs],
         picture=svg_text(comparison_figure(runs), "comparison"),
         plots=interactive_part(
@@ -119,7 +122,7 @@ def _check_output(output: Path) -> None:
     """Refuse a place in a bag, which is left as it is, and a folder."""
     if output.is_dir():
         raise BagError(f"--output {output}: is a folder: must be a file")
-    if any((folder / "metadata.yaml").exists() for folder in output.resolve().parents):
+    if any((folder / "metadata.yaml").exists() for folder in real_path(output).parents):
         raise BagError(f"--output {output}: lies in a bag, which is left as it is")
 
 

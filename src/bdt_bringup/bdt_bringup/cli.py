@@ -37,8 +37,8 @@ def run_command(arguments: Sequence[str] | None = None) -> int:
     int
         0 for success, 1 when the loop failed, 2 for bad input, 130 after Ctrl-C.
     """
-    options = command_parser(installed_commands()).parse_args(arguments)
     try:
+        options = command_parser(installed_commands()).parse_args(arguments)
         return int(options.run_subcommand(options))
     except BadInputError as error:
         return complain(error, BAD_INPUT)
@@ -46,6 +46,22 @@ def run_command(arguments: Sequence[str] | None = None) -> int:
         return complain(error, FAILED)
     except KeyboardInterrupt:
         return complain("interrupted", INTERRUPTED)
+    except OSError as error:
+        # Without a name it is a pipe or standard output, or a fault of this program.
+        if error.filename is None:
+            raise
+        return complain(f"{error.filename}: {error.strerror}", BAD_INPUT)
+    except Exception as error:
+        if not _came_from_interrupt(error):
+            raise
+        return complain("interrupted", INTERRUPTED)
+
+
+def _came_from_interrupt(error: BaseException | None) -> bool:
+    """Tell whether Ctrl-C is behind an error: a library may turn it into one of its own."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 class _CommandParser(argparse.ArgumentParser):

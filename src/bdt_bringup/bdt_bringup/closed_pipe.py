@@ -1,13 +1,22 @@
-"""A reader that is gone: ``bdt ... | head`` ends as any other tool does, without a word."""
+"""Standard output that takes no more: a reader that is gone, a disk that is full.
 
+``bdt ... | head`` ends as any other tool does, without a word.
+"""
+
+import errno
 import os
 import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from bdt_msgs_py.command_errors import BAD_INPUT, complain
+
 CLOSED_PIPE = 128 + signal.SIGPIPE
 """Exit code of a program that writes where nobody reads, as shells have it."""
+
+FULL_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EIO)
+"""Errors of a disk to which standard output goes."""
 
 
 @contextmanager
@@ -32,6 +41,12 @@ def quiet_when_nobody_reads() -> Iterator[None]:
     except BrokenPipeError:
         _write_to_nowhere()
         raise SystemExit(CLOSED_PIPE) from None
+    except OSError as error:
+        if error.errno not in FULL_DISK:
+            raise
+        code = complain(f"standard output: {error.strerror}", BAD_INPUT)
+        _write_to_nowhere()
+        raise SystemExit(code) from None
     except SystemExit as end:
         # rich meets the closed pipe first, and asks for an end with an exit code of its own.
         if isinstance(end.__context__, BrokenPipeError):

@@ -164,6 +164,8 @@ def _configured(sections: Iterable[str], namespace: str, path: Path) -> frozense
 
 
 def _sections(path: Path) -> dict[str, dict[str, Any]]:
+    if path.is_char_device() or path.is_block_device():
+        raise BadInputError(f"configuration {path}: is a device: must be a file")
     try:
         document = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:

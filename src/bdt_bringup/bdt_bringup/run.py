@@ -18,6 +18,7 @@ from bdt_msgs_py.command_errors import BAD_INPUT, BadInputError, LoopError
 from bdt_msgs_py.folder_sync import create_folder
 from bdt_msgs_py.loop_namespace import namespace_arguments
 from bdt_msgs_py.node_parameters import ConfigurationError
+from bdt_msgs_py.output_files import not_writable
 from bdt_msgs_py.spinning import drain_messages
 from bdt_msgs_py.stop_signals import StopSignals
 from bdt_msgs_py.topics import PLANT_NODE, RECORDER_NODE
@@ -49,7 +50,10 @@ def run_loop(plan: RunPlan) -> float | None:
     KeyboardInterrupt
         After Ctrl-C or SIGTERM, when all nodes have been stopped.
     """
-    create_folder(plan.output)
+    try:
+        create_folder(plan.output)
+    except OSError as error:
+        raise not_writable("--output", plan.output, error) from error
     context = Context()
     try:
         rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)

@@ -42,6 +42,23 @@ def model_with(model: PlantModel, factors: FloatArray) -> PlantModel:
     )
 
 
+def check_room(model: PlantModel) -> None:
+    """Refuse a model whose constants lie so near to their limits that a fit would leave these.
+
+    Raises
+    ------
+    ValueError
+        If a constant that is corrected cannot be half or twice as large.
+    """
+    for factor in (0.5, 2.0):
+        try:
+            model_with(model, np.full(len(FACTORS), np.log(factor)))
+        except ValueError as error:
+            raise ValueError(
+                f"{error}, also {factor:g} times as large: the estimator corrects it"
+            ) from error
+
+
 def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) -> DiscretePlant:
     """Return the discrete model of the plant with its factors, interpolated.
 

@@ -17,7 +17,7 @@ from bdt_twin.block_residual import compiled_means
 from bdt_twin.estimator import Estimate
 from bdt_twin.fixed_order import COMPILED, dot, product, standard_deviation
 from bdt_twin.forward_model import SMALLEST_TRAVEL, compiled_structure, compiled_window
-from bdt_twin.model_factors import FACTORS
+from bdt_twin.model_factors import FACTORS, check_room
 from bdt_twin.output_error_fit import Fit
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.sensor_saturation import motor_travel_in_saturation
@@ -82,7 +82,8 @@ class OutputErrorEstimator:
     Raises
     ------
     ValueError
-        If the update period is not a whole number of samples.
+        If the update period is not a whole number of samples, or the fit would leave the limits of
+        a constant of the model.
 
     Attributes
     ----------
@@ -93,6 +94,7 @@ class OutputErrorEstimator:
     def __init__(
         self, model: PlantModel, settings: OutputErrorSettings, sampling_rate: float = 5000.0
     ) -> None:
+        check_room(model)
         self._model, self._settings, self._rate = model, settings, sampling_rate
         self._period = settings.samples_per_update(sampling_rate)
         self._block = settings.samples_per_block(sampling_rate)

@@ -6,6 +6,9 @@ import numpy as np
 
 from bdt_msgs_py.quantities import quantity, validate
 
+FEWEST_PERIODS = 2
+"""Periods of the residual rate that the shortest stretch must hold to be compared at all."""
+
 
 @dataclass(frozen=True)
 class OutputErrorSettings:
@@ -60,6 +63,13 @@ class OutputErrorSettings:
             raise ValueError(
                 f"OutputErrorSettings.shortest_stretch = {self.shortest_stretch!r} s: "
                 f"must be at most the window ({self.window:g} s)"
+            )
+
+        if self.residual_rate * self.shortest_stretch < FEWEST_PERIODS:
+            raise ValueError(
+                f"OutputErrorSettings.residual_rate = {self.residual_rate!r} Hz: must be at least "
+                f"{FEWEST_PERIODS / self.shortest_stretch:g} Hz, {FEWEST_PERIODS} periods in the "
+                f"shortest stretch ({self.shortest_stretch:g} s)"
             )
 
     def samples_per_update(self, sampling_rate: float) -> int:

@@ -77,3 +77,14 @@ def test_without_ages_an_estimate_is_held_from_its_own_time_on(known_run):
 def test_an_estimate_that_is_never_short_has_no_shortfall(known_run):
     found = summarize_estimate(known_run([[0.0, 0.5]], truth=truth([0.0, 1.0], [0.1, 0.2])))
     assert found.max_shortfall_rad == 0.0
+
+
+def test_an_estimate_that_a_hole_may_have_hidden_is_no_error(known_run):
+    """The gap grows in the hole from 1 s to 3 s; the next estimate is that at 4 s."""
+    gaps = truth([0.0, 1.0, 3.5, 4.0], [0.1, 0.1, 0.9, 0.9])
+    estimates = [[0.0, 0.1], [4.0, 0.9]]
+    with_hole = summarize_estimate(known_run(estimates, truth=gaps), np.array([[1.5, 3.0]]))
+    assert (with_hole.max_error_rad, with_hole.max_shortfall_rad) == (0.0, 0.0)
+    assert summarize_estimate(known_run(estimates, truth=gaps)).max_shortfall_rad == (
+        pytest.approx(0.8)
+    )

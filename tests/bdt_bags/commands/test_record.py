@@ -1,6 +1,7 @@
 """``bdt record`` records beside a loop until Ctrl-C and says what it has."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -43,6 +44,38 @@ def test_the_topics_of_a_namespace_are_recorded_until_ctrl_c(ros, tmp_path):
     counts = {one["topic_metadata"]["name"]: one["message_count"] for one in topics}
     assert counts["/left/measurement"] == 10
     assert "/left/clock" in counts, "as bdt run --namespace and -r /clock:=clock move it"
+
+
+def test_a_bag_that_is_deleted_is_told_at_once_and_ends_with_1(ros, tmp_path):
+    bag = tmp_path / "bag"
+    command = [sys.executable, "-m", "bdt_bringup.cli", "record", "--output", str(bag)]
+    talker = ros.create(Node, "talker")
+    publisher = talker.create_publisher(JointState, "/measurement", qos_profile(MEASUREMENT))
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process:
+        try:
+            ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+            shutil.rmtree(bag)
+            lines = iter(process.stderr.readline, "")
+            assert any("bag_0.mcap was deleted or moved" in line for line in lines)
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=20)
+        finally:
+            process.kill()
+    assert process.returncode == 1
+
+
+def test_dropped_messages_end_with_1(tmp_path, monkeypatch, capsys):
+    class Recorder:
+        summary = "5 messages recorded, 3 dropped because of the disk"
+        dropped = 3
+
+    monkeypatch.setattr("bdt_bags.recorder.recorder_node.RecorderNode", Recorder)
+    monkeypatch.setattr(
+        "bdt_msgs_py.node_main.run_node", lambda create, _, spin: 0 * bool(create())
+    )
+    assert run_command(["record", "--output", str(tmp_path / "bag")]) == 1
+    assert "is incomplete, the disk did not take all" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,15 @@ def test_damaged_bag_gives_one_line_or_an_analysis(stored_bags, tmp_path, kind):
     assert analyzed > CASES / 50, "damage that always shows at once tests little"
 
 
+@pytest.mark.parametrize("kind", ["mcap_none", "sqlite3_none", "sqlite3_file"])
+def test_a_torn_bag_names_the_command_that_saves_it(stored_bags, tmp_path, kind):
+    good = stored_bags[kind]
+    bag = good.write(tmp_path / "bag")
+    (bag / good.storage).write_bytes(good.files[good.storage][:-3000])
+    with pytest.raises(BagError, match=rf"; bdt recover {bag} makes a whole bag of what is left$"):
+        analyze(bag)
+
+
 @contextmanager
 def deadline():
     def end(*_):

@@ -22,7 +22,7 @@ def read(tmp_path):
     def run(text: str | None = None, **fields):
         content = text or yaml.safe_dump({"rosbag2_bagfile_information": {**GOOD, **fields}})
         (tmp_path / "metadata.yaml").write_text(content)
-        return [file.name for file in recorded_files(tmp_path)]
+        return [file.path.name for file in recorded_files(tmp_path)]
 
     return run
 

@@ -54,6 +54,15 @@ def test_what_no_recorder_writes(check, statements, reason):
         check(*statements)
 
 
+def test_a_file_that_lacks_its_last_byte_is_refused(check, tmp_path):
+    """What lies behind the end sqlite takes for zeros, also in the last message."""
+    check(TOPICS, DATA, TOPIC)
+    path = tmp_path / "x.db3"
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(BagError, match="is cut off: has 12287 bytes of 12288"):
+        check_sqlite(path)
+
+
 def test_work_is_limited_by_the_size_of_the_file(check, monkeypatch):
     rows = "INSERT INTO messages WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c "
     rows += "WHERE x < 2000) SELECT x, 1, x, x'00' FROM c"

@@ -2,6 +2,10 @@
 
 import shutil
 import sqlite3
+import struct
+from itertools import islice
+from pathlib import Path
+from tempfile import mkdtemp
 
 import numpy as np
 import pytest
@@ -30,6 +34,10 @@ def salvage(tmp_path):
         return salvaged, found
 
     return run
+
+
+def new_folder(parent):
+    return Path(mkdtemp(dir=parent))
 
 
 def contents_of(path):
@@ -118,7 +126,8 @@ def test_what_lies_around_a_damaged_page_is_recovered(tmp_path, salvage):
     assert numbers == sorted(set(numbers))
     assert 1960 < len(numbers) < 2000
     assert {0, 1999} <= set(numbers)
-    assert "malformed" in salvaged.damage.remarks[0]
+    assert salvaged.damage.remarks[0].startswith("read page by page: is a damaged sqlite3")
+    assert salvaged.damage.byte_count == 4096
 
 
 def test_a_file_that_was_cut_gives_its_beginning(tmp_path, salvage):
@@ -131,6 +140,107 @@ def test_a_file_that_was_cut_gives_its_beginning(tmp_path, salvage):
         numbers = [one.received for one in found]
         assert numbers == sorted(set(numbers))
         assert len(numbers) > 2000 * part - 150
+
+
+def test_a_cut_at_whatever_length_gives_what_is_before_it_and_nothing_else(tmp_path):
+    """The rest of a page that was cut reads as zeros, which look like rows of number 0."""
+    path = tmp_path / "bag.db3"
+    write_old_bag(path, 500)
+    data = path.read_bytes()
+    for page in range(1, len(data) // 4096):
+        for length in (1, 20, 100, 1000, 4000):
+            path.write_bytes(data[: 4096 * page + length])
+            found = list(islice(DamagedSqliteFile(path, new_folder(tmp_path)).messages(), 1000))
+            numbers = [one.received for one in found]
+            assert numbers == sorted(set(numbers))
+            assert all(one.data == one.received.to_bytes(4, "little") * 50 for one in found)
+            # Those of whole pages are all there; a row takes 200 bytes and a little more.
+            begin = (page - 4) * 4096 // 230
+            assert numbers[:begin] == list(range(begin))
+
+
+def test_a_flipped_bit_costs_no_more_than_the_rows_of_a_page(tmp_path, salvage):
+    path = tmp_path / "bag.db3"
+    write_old_bag(path, 2000)
+    data = path.read_bytes()
+    bits = np.random.default_rng(6)
+    for _ in range(100):
+        flipped = bytearray(data)
+        flipped[bits.integers(8192, len(data))] ^= 1 << bits.integers(8)
+        path.write_bytes(flipped)
+        _, found = salvage(path)
+        assert 1975 < len(found) <= 2000
+        # A time may be the very thing that is damaged.
+        times = np.array([one.received for one in found])
+        assert np.sum(np.diff(times) < 0) <= 1
+
+
+def test_rows_that_go_on_in_other_pages_are_recovered(tmp_path, salvage):
+    path = tmp_path / "bag.db3"
+    write_old_bag(path, 1)
+    connection = sqlite3.connect(path)
+    contents = [bytes([number]) * (4060 + 7 * number) for number in range(250)]
+    with connection:
+        connection.executemany(
+            "INSERT INTO messages (topic_id, timestamp, data) VALUES (1, ?, ?)", enumerate(contents)
+        )
+    connection.close()
+    path.write_bytes(path.read_bytes()[:-4096])
+    salvaged, found = salvage(path)
+    recovered = {one.data for one in found}
+    assert recovered <= {(0).to_bytes(4, "little") * 50, *contents}
+    assert len(recovered) > 240
+    assert salvaged.damage.remarks
+
+
+def test_what_stands_behind_a_damaged_place_of_the_log_is_recovered(tmp_path, salvage):
+    path = tmp_path / "bag.db3"
+    connection = sqlite3.connect(path, isolation_level=None)
+    connection.execute("PRAGMA journal_mode = WAL")
+    connection.execute("PRAGMA wal_autocheckpoint = 0")
+    connection.executescript(OLD_SCHEMA)
+    for begin in range(0, 1000, 100):
+        connection.execute("BEGIN")
+        insert(connection, begin, begin + 100)
+        connection.execute("COMMIT")
+    crashed = copy_of_open(path, tmp_path / "crashed")
+    connection.close()
+    log = crashed.with_name("bag.db3-wal")
+    data = bytearray(log.read_bytes())
+    data[len(data) // 2] ^= 1
+    log.write_bytes(data)
+    salvaged, found = salvage(crashed)
+    numbers = [one.received for one in found]
+    assert numbers == sorted(set(numbers))
+    assert 960 < len(numbers) < 1000
+    assert {0, 999} <= set(numbers)
+    assert "the log is damaged at byte" in salvaged.damage.remarks[0]
+
+
+def test_a_journal_does_not_delete_the_file_that_it_names(tmp_path, salvage):
+    path, victim = tmp_path / "bag.db3", tmp_path / "victim"
+    write_old_bag(path, 300)
+    connection = sqlite3.connect(path, isolation_level=None)
+    connection.execute("PRAGMA cache_size = 5")
+    connection.execute("BEGIN")
+    connection.execute("UPDATE messages SET timestamp = timestamp + 1000")
+    crashed = copy_of_open(path, tmp_path / "crashed")
+    connection.close()
+    victim.write_bytes(b"precious")
+    name = str(victim).encode()
+    journal = crashed.with_name("bag.db3-journal")
+    ending = struct.pack(">I", len(name)) + struct.pack(">I", sum(name))
+    journal.write_bytes(
+        journal.read_bytes()
+        + struct.pack(">I", 2**30 // 4096 + 1)
+        + name
+        + ending
+        + bytes.fromhex("d9d505f920a163d7")
+    )
+    salvaged, found = salvage(crashed)
+    assert victim.exists()
+    assert len(found) == 300
+    assert "the journal is left out" in salvaged.damage.remarks[0]
 
 
 def test_flipped_bits_never_stop_the_salvage(small_bag, tmp_path, salvage):

@@ -6,8 +6,13 @@ import yaml
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from bdt_bags.file_checksums import checksum_entry
 from bdt_bags.reading.bag_reader import BagError
+from bdt_bags.recovery import damaged_mcap_file as damaged_mcap_module
+from bdt_bags.recovery import recover_bag as recover_module
 from bdt_bags.recovery.recover_bag import recover_bag
+from bdt_bags.writing.bag_files import BagFiles
+from bdt_bags.writing.topic_metadata import SerializedMessage, topic_metadata
 from bdt_bringup.cli import run_command
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -43,6 +48,8 @@ def test_a_whole_bag_is_copied(small_bag, small_messages, storage, compression, 
     custom = {"recovered_from": "bag", "bytes_not_understood": "0"}
     if metadata:
         custom["messages_dropped"] = "2"
+    if (recovery.output / "bag_recovered_0.db3").exists():
+        custom |= [checksum_entry(recovery.output / "bag_recovered_0.db3")]
     assert information(recovery.output)["custom_data"] == custom
 
 
@@ -101,6 +108,18 @@ def test_a_torn_compressed_file_is_read_as_far_as_it_goes(small_bag):
     packed.write_bytes(packed.read_bytes()[:-40])
     with pytest.raises(BagError, match="holds no message that could be recovered"):
         recover_bag(packed)
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_nothing_expands_further_than_a_file_of_its_size_may(tmp_path, monkeypatch, storage):
+    for module in (recover_module, damaged_mcap_module):
+        monkeypatch.setattr(module, "allowed_size", lambda size: 2 * size)
+    bag = BagFiles(tmp_path / "bag", storage=storage, compression="zstd")
+    bag.add_topic(topic_metadata("/zeros", "std_msgs/msg/String", ""))
+    bag.append([SerializedMessage(0, 1, 1, bytes(1_000_000))])
+    bag.close({})
+    with pytest.raises(BagError, match="holds no message that could be recovered"):
+        recover_bag(tmp_path / "bag")
 
 
 @pytest.mark.parametrize("storage", STORAGES)

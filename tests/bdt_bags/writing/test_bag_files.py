@@ -95,7 +95,8 @@ def test_the_metadata_are_those_of_version_9(tmp_path, storage, compression):
         (f"bag_1.{suffix}", 100),
     ]
     assert found["files"][1]["starting_time"]["nanoseconds_since_epoch"] == message(200).received
-    assert found["custom_data"] == {"messages_dropped": "3"}
+    told = {key: value for key, value in found["custom_data"].items() if "crc32" not in key}
+    assert told == {"messages_dropped": "3"}
     names = {file.name for file in (tmp_path / "bag").iterdir()}
     assert names == {"metadata.yaml", *found["relative_file_paths"]}
 
@@ -141,7 +142,7 @@ def test_what_was_committed_can_be_read_without_the_end_of_the_file(tmp_path, st
         message(number).data for number in range(100)
     ]
     bag.close()
-    assert not information(tmp_path / "bag")["custom_data"]
+    assert "recording" not in (information(tmp_path / "bag")["custom_data"] or {})
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])

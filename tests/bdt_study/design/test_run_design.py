@@ -40,7 +40,8 @@ def test_without_json_there_are_tables(tmp_path, capsys):
 
 @pytest.mark.usefixtures("designed")
 def test_a_picture_that_cannot_be_written_is_one_line_and_exit_code_two(tmp_path, capsys):
-    assert run_command(["design", "--output", str(tmp_path / "no" / "design.png")]) == 2
+    (tmp_path / "file").write_text("")
+    assert run_command(["design", "--output", str(tmp_path / "file" / "design.png")]) == 2
     err = capsys.readouterr().err
     assert err.startswith("error: --output ")
     assert err.count("\n") == 1

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from bdt_analysis.metrics.recording_holes import find_holes, hole_limits
 from bdt_analysis.metrics.reference_steps import ReferenceStep, find_steps
 from bdt_analysis.metrics.run_names import run_names
 from bdt_analysis.metrics.summary import Summary, summarize
@@ -51,6 +52,11 @@ def load_runs(bags: Sequence[Path], selection: TopicSelection | None = None) -> 
     runs = []
     for name, bag in zip(run_names(bags), bags, strict=True):
         recording = load_recording(bag, selection)
-        steps = find_steps(recording.reference, recording.telemetry, recording.sample_time)
+        steps = find_steps(
+            recording.reference,
+            recording.telemetry,
+            recording.sample_time,
+            hole_limits(find_holes(recording)),
+        )
         runs.append(ComparedRun(name, recording, steps, summarize(recording, steps)))
     return runs

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bdt_analysis.metrics.dead_zone_requests import reconfiguration_lags
 from bdt_analysis.metrics.gap_estimates import live_gap_estimates
+from bdt_analysis.metrics.reference_steps import NO_HOLES
 from bdt_bags.run_signals import RunSignals
 
 FloatArray = NDArray[np.float64]
@@ -43,11 +44,13 @@ class EstimateSummary:
     max_shortfall_rad: float | None
 
 
-def estimate_errors(truth: FloatArray, estimates: FloatArray) -> FloatArray:
+def estimate_errors(
+    truth: FloatArray, estimates: FloatArray, holes: FloatArray = NO_HOLES
+) -> FloatArray:
     """Return rows of (time [s], error of the estimate in force [rad]) at the times of the truth.
 
     An estimate is in force from its time until that of the next one. Before the first there is no
-    error.
+    error, and none from a hole on until the first estimate behind it.
 
     Parameters
     ----------
@@ -55,6 +58,8 @@ def estimate_errors(truth: FloatArray, estimates: FloatArray) -> FloatArray:
         Rows of (t, theta_m, theta_d, gap, q1, q2, q3) [s, rad, m].
     estimates : ndarray, shape (k, 2)
         Rows of (time from which an estimate is in force [s], gap [rad]) in the order of time.
+    holes : ndarray, shape (h, 2)
+        Begin and end of stretches that were not recorded [s].
 
     Returns
     -------
@@ -63,23 +68,29 @@ def estimate_errors(truth: FloatArray, estimates: FloatArray) -> FloatArray:
     """
     in_force = np.searchsorted(estimates[:, 0], truth[:, 0], side="right") - 1
     known = in_force >= 0
+    since = estimates[np.maximum(in_force, 0), 0] if len(estimates) else truth[:, 0]
+    for begin, end in holes:
+        known &= (truth[:, 0] < begin) | (since > end)
     error = estimates[in_force[known], 1] - truth[known, 3]
     return np.stack([truth[known, 0], error], axis=1)
 
 
-def summarize_estimate(run: RunSignals) -> EstimateSummary:
+def summarize_estimate(run: RunSignals, holes: FloatArray = NO_HOLES) -> EstimateSummary:
     """Return the numbers of the estimate, as :class:`EstimateSummary` defines them.
 
     Parameters
     ----------
     run : RunSignals
         A run, with or without truth.
+    holes : ndarray, shape (h, 2)
+        Begin and end of stretches that were not recorded [s].
     """
     truth = np.empty((0, 7)) if run.truth is None else run.truth
-    in_force = estimate_errors(truth, run.estimates)[:, 1]
+    in_force = estimate_errors(truth, run.estimates, holes)[:, 1]
     # Windows that end with the same reversal state the gap for times that differ by a sample or
     # two, in any order. What the twin holds is in the order of the newest samples.
-    held = estimate_errors(truth, run.held_gaps if len(run.held_gaps) else run.estimates)[:, 1]
+    said = run.held_gaps if len(run.held_gaps) else run.estimates
+    held = estimate_errors(truth, said, holes)[:, 1]
     stated = live_gap_estimates(run).error
     stated = stated[np.isfinite(stated)]
     lags = reconfiguration_lags(run)

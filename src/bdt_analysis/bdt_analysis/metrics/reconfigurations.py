@@ -49,11 +49,12 @@ class ReconfigurationSummary:
 
     Attributes
     ----------
-    from_estimates : int
-        Number of dead zones that are those of an estimate.
-    from_elsewhere : int
+    from_estimates : int or None
+        Number of dead zones that are those of an estimate; None, as the next two, where nothing
+        tells when the dead zone was set.
+    from_elsewhere : int or None
         Number of the others, the initial one not counted.
-    estimates_not_applied : int
+    estimates_not_applied : int or None
         Number of estimates that no dead zone followed.
     min_s, median_s, max_s : float or None
         Delay from the newest sample behind an estimate to its dead zone [s].
@@ -63,9 +64,9 @@ class ReconfigurationSummary:
         Longest time between two reconfigurations [s].
     """
 
-    from_estimates: int
-    from_elsewhere: int
-    estimates_not_applied: int
+    from_estimates: int | None
+    from_elsewhere: int | None
+    estimates_not_applied: int | None
     min_s: float | None
     median_s: float | None
     max_s: float | None
@@ -108,6 +109,8 @@ def summarize_reconfigurations(recording: Recording) -> ReconfigurationSummary:
     recording : Recording
         A loaded bag.
     """
+    if recording.reconfigurations is None:
+        return ReconfigurationSummary(*(None,) * 8)
     log = reconfiguration_log(recording)
     delays = np.array([entry.delay_s for entry in log if entry.delay_s is not None])
     ages = [entry.gap_age_s for entry in log if entry.gap_age_s is not None]

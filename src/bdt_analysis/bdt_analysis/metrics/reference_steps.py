@@ -17,6 +17,9 @@ MISSED_BEGINNING = 0.1
 """Part of a step that may be missing at the beginning of a recording."""
 
 
+NO_HOLES: FloatArray = np.empty((0, 2))
+
+
 @dataclass(frozen=True)
 class ReferenceStep:
     """An interval with a constant reference.
@@ -28,8 +31,9 @@ class ReferenceStep:
     reference : float
         Reference r [m].
     height : float or None
-        Change of the reference, without sign [m]; for the first step its distance from the first
-        q3. None when the beginning of the step was not recorded or when nothing changed.
+        Change of the reference, without sign [m]; for the first step, and the first behind a hole,
+        its distance from the first q3. None when the beginning of the step was not recorded or
+        when nothing changed.
     scale : float or None
         Height on which an oscillation is judged [m]: its own or, without one, that of the
         highest step or, if no step has any, the largest reference.
@@ -38,6 +42,8 @@ class ReferenceStep:
         6 s, so that a window never begins with the transient at full size.
     cut : bool
         True for a last step that the end of the recording cuts too short to be judged.
+    holed : bool
+        True when a part of it was not recorded or not controlled.
     """
 
     t_start: float
@@ -47,6 +53,7 @@ class ReferenceStep:
     scale: float | None
     window: float
     cut: bool
+    holed: bool = False
 
     @property
     def length(self) -> float:
@@ -55,12 +62,18 @@ class ReferenceStep:
 
 
 def find_steps(
-    reference: FloatArray, telemetry: FloatArray, sample_time: float
+    reference: FloatArray,
+    telemetry: FloatArray,
+    sample_time: float,
+    holes: FloatArray = NO_HOLES,
 ) -> list[ReferenceStep]:
     """Return the steps of a run.
 
     The last step is cut by the end of the recording. It can still be judged if it is at least
     6 s long or as long as the shortest of the others.
+
+    In a hole the reference may have changed. So the first one that is known behind it begins a
+    step, whose height is its distance from q3 there.
 
     Parameters
     ----------
@@ -70,6 +83,8 @@ def find_steps(
         Rows of (t [s], u [V], q3 [m]).
     sample_time : float
         Sample time of the telemetry [s].
+    holes : ndarray, shape (h, 2)
+        Begin and end of stretches that were not recorded or not controlled [s].
 
     Returns
     -------
@@ -79,14 +94,14 @@ def find_steps(
     if not len(reference):
         return []
     begin, end = telemetry[0, 0], telemetry[-1, 0] + sample_time
-    rows = _changes(reference)
+    rows, unsure = _changes(reference, holes[:, 0])
     # A step shorter than a sample time was never seen by the controller.
     ends = np.append(rows[1:, 0], end)
     inside = (ends > begin + 0.5 * sample_time) & (rows[:, 0] < end - 0.5 * sample_time)
-    rows, ends = rows[inside], np.minimum(ends[inside], end)
+    rows, ends, unsure = rows[inside], np.minimum(ends[inside], end), unsure[inside]
     if not len(rows):
         return []
-    heights = _heights(rows, ends, telemetry)
+    heights = _heights(rows, ends, unsure, telemetry)
     highest = float(np.nanmax(heights, initial=0.0))
     largest = float(np.abs(rows[:, 1]).max())
     if highest <= NEGLIGIBLE_HEIGHT * largest:
@@ -107,27 +122,35 @@ def find_steps(
                 scale=scale,
                 window=float(min(WINDOW, 0.5 * lengths[k])),
                 cut=k == len(rows) - 1 and bool(lengths[k] < enough - sample_time),
+                holed=bool(((holes[:, 0] < ends[k]) & (holes[:, 1] > start)).any()),
             )
         )
     return steps
 
 
-def _changes(reference: FloatArray) -> FloatArray:
-    """Return the rows at which the value changes; of several at one time the last one holds."""
+def _changes(reference: FloatArray, holes: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the rows at which the value changes, and whether a hole lies before them.
+
+    Of several rows at one time the last one holds.
+    """
     last_of_time = np.append(np.diff(reference[:, 0]) > 0, True)
     rows = reference[last_of_time]
-    changed = np.concatenate([[True], np.diff(rows[:, 1]) != 0])
-    kept: FloatArray = rows[changed]
-    return kept
+    behind = np.searchsorted(rows[:, 0], holes, side="right")
+    unsure = np.zeros(len(rows), dtype=np.bool_)
+    unsure[behind[behind < len(rows)]] = True
+    changed = np.concatenate([[True], np.diff(rows[:, 1]) != 0]) | unsure
+    return rows[changed], unsure[changed]
 
 
-def _heights(rows: FloatArray, ends: FloatArray, telemetry: FloatArray) -> FloatArray:
+def _heights(
+    rows: FloatArray, ends: FloatArray, unsure: NDArray[np.bool_], telemetry: FloatArray
+) -> FloatArray:
     """Return the heights [m], NaN for a first step whose beginning is missing."""
-    start, value = rows[0]
-    first_index = min(int(np.searchsorted(telemetry[:, 0], start)), len(telemetry) - 1)
-    missed = telemetry[first_index, 0] - start
-    if missed > MISSED_BEGINNING * (ends[0] - start):
-        first = np.nan
-    else:
-        first = abs(value - telemetry[first_index, 2])
-    return np.concatenate([[first], np.abs(np.diff(rows[:, 1]))])
+    heights = np.concatenate([[np.nan], np.abs(np.diff(rows[:, 1]))])
+    for k in {0, *np.flatnonzero(unsure).tolist()}:
+        start, value = rows[k]
+        first = min(int(np.searchsorted(telemetry[:, 0], start)), len(telemetry) - 1)
+        missed = telemetry[first, 0] - start
+        known = missed <= MISSED_BEGINNING * (ends[k] - start)
+        heights[k] = abs(value - telemetry[first, 2]) if known else np.nan
+    return heights

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from bdt_msgs_py.output_files import real_path
+
 USUAL_BAG_NAME = "bag"
 """Name that `bdt run` gives to every bag: it tells nothing, the folder around it does."""
 
@@ -12,7 +14,7 @@ def run_names(bags: Sequence[Path]) -> list[str]:
 
     A bag that is given twice gets a number.
     """
-    paths = [bag.resolve() for bag in bags]
+    paths = [real_path(bag) for bag in bags]
     parts = [
         (path.parent if path.name == USUAL_BAG_NAME else path).parts or (str(path),)
         for path in paths

@@ -54,7 +54,8 @@ class StepSummary:
     Notes
     -----
     For steps shorter than 6 s, the last half takes the place of the last 3 s. None stands where a
-    value is unknown: everywhere for a last step that is cut short by the end of the recording.
+    value is unknown: everywhere for a last step that is cut short by the end of the recording, and
+    for a step with a hole.
     """
 
     t_start_s: float
@@ -84,7 +85,7 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
     # Half a sample of room: stamps and sample times are rounded differently.
     edges = np.array([step.t_start, step.t_end - step.window, step.t_end]) - 0.5 * sample_time
     first, window, end = (int(index) for index in np.searchsorted(time, edges))
-    if step.cut or end - window < 2:
+    if step.cut or step.holed or end - window < 2:
         return StepSummary(step.t_start, step.reference, None, None, None, None, None)
     tail = position[window:end]
     bias = float(tail.mean()) - step.reference

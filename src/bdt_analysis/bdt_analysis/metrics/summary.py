@@ -15,6 +15,13 @@ from bdt_analysis.metrics.reconfigurations import (
     ReconfigurationSummary,
     summarize_reconfigurations,
 )
+from bdt_analysis.metrics.recording_holes import (
+    RecordingHole,
+    find_holes,
+    hole_limits,
+    hole_lines,
+    unrecorded,
+)
 from bdt_analysis.metrics.reference_steps import ReferenceStep
 from bdt_analysis.metrics.step_analysis import StepSummary, summarize_step
 from bdt_bags.reading.completeness import late_beginnings, lost_messages
@@ -35,8 +42,8 @@ class Summary:
         The steps of the reference.
     estimate : EstimateSummary
         Estimate against truth, and its lag.
-    reconfigurations : int
-        Number of times that the controller's dead zone was set.
+    reconfigurations : int or None
+        Number of times that the controller's dead zone was set; None without parameter events.
     dead_zone_final_m : float or None
         Dead-zone tolerance at the end [m].
     messages : mapping of str to int
@@ -52,6 +59,8 @@ class Summary:
         Number of samples of the telemetry whose position or voltage is not finite.
     missing : tuple of str
         What the bag lacks, each with what follows from it.
+    holes : tuple of RecordingHole
+        Stretches without samples or commands; a step with one is not judged.
     timing : LoopTiming
         Period, jitter, gaps and latency of the loop.
     reconfiguration_delay : ReconfigurationSummary
@@ -64,7 +73,7 @@ class Summary:
     real_time_factor: float | None
     steps: tuple[StepSummary, ...]
     estimate: EstimateSummary
-    reconfigurations: int
+    reconfigurations: int | None
     dead_zone_final_m: float | None
     messages: Mapping[str, int]
     messages_left_out: Mapping[str, int]
@@ -72,6 +81,7 @@ class Summary:
     lost_in_queue: int
     missing_samples: int
     missing: tuple[str, ...]
+    holes: tuple[RecordingHole, ...]
     timing: LoopTiming
     reconfiguration_delay: ReconfigurationSummary
     re_estimation: ReEstimationSummary | None
@@ -122,12 +132,12 @@ def summarize(
     dead_zones = recording.dead_zones
     rows, sample_time = performance_output(recording)
     rows = interpolate_missing_samples(rows, sample_time)
-    lost = lost_messages(recording)
+    lost, holes = lost_messages(recording), find_holes(recording)
     return Summary(
         duration_s=recording.duration,
         real_time_factor=recording.real_time_factor,
         steps=tuple(summarize_step(step, rows, sample_time) for step in steps),
-        estimate=summarize_estimate(recording),
+        estimate=summarize_estimate(recording, hole_limits(unrecorded(holes))),
         reconfigurations=recording.reconfigurations,
         dead_zone_final_m=float(dead_zones[-1, 1]) if len(dead_zones) else None,
         messages=recording.message_counts,
@@ -135,7 +145,8 @@ def summarize(
         lost_messages=lost.total,
         lost_in_queue=lost.in_queue,
         missing_samples=recording.missing_samples,
-        missing=(*recording.missing, *late_beginnings(recording)),
+        missing=(*recording.missing, *late_beginnings(recording), *hole_lines(holes)),
+        holes=holes,
         timing=summarize_timing(recording),
         reconfiguration_delay=summarize_reconfigurations(recording),
         re_estimation=re_estimation,

@@ -1,11 +1,13 @@
 """The report: one HTML file with verdict, tables and figures that needs nothing else."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bdt_analysis.figures.interactive import PlottedRun, interactive_part
 from bdt_analysis.figures.plot_series import panels, run_series
 from bdt_analysis.figures.run_figures import time_label
+from bdt_analysis.metrics.recording_holes import RecordingHole
 from bdt_analysis.metrics.reference_steps import ReferenceStep
 from bdt_analysis.metrics.run_names import run_names
 from bdt_analysis.metrics.summary import Summary
@@ -30,7 +32,8 @@ class Verdict:
     Attributes
     ----------
     good : bool
-        True when a step was judged, none ends in a limit cycle and all end at the reference.
+        True when a step was judged, none ends in a limit cycle, all end at the reference and
+        nothing is missing.
     headline : str
         The answer: is the loop stable?
     details : str
@@ -75,13 +78,25 @@ def verdict(summary: Summary) -> Verdict:
             f"{off[0].t_start_s:.6g} s"
         )
     else:
-        headline = f"Stable throughout: no limit cycle in {_steps(len(judged))}"
+        how = "as far as it was recorded" if summary.holes else "throughout"
+        headline = f"Stable {how}: no limit cycle in {_steps(len(judged))}"
     left_out = len(summary.steps) - len(judged)
-    if judged and left_out:
-        headline += f" ({left_out} not judged)"
-    return Verdict(
-        bool(judged) and not cycles and not off, headline, "; ".join(_details(summary)) + "."
-    )
+    reasons = [f"{left_out} not judged"] if judged and left_out else []
+    if summary.holes:
+        reasons.append(f"{_missing_time(summary.holes):.3g} s are missing")
+    if reasons:
+        headline += f" ({', '.join(reasons)})"
+    good = bool(judged) and not (cycles or off or summary.holes)
+    return Verdict(good, headline, "; ".join(_details(summary)) + ".")
+
+
+def _missing_time(holes: Sequence[RecordingHole]) -> float:
+    """Return how long [s] something is missing; holes of several topics may overlap."""
+    total, end = 0.0, -math.inf
+    for hole in sorted(holes, key=lambda hole: hole.begins_s):
+        total += max(hole.ends_s - max(hole.begins_s, end), 0.0)
+        end = max(end, hole.ends_s)
+    return total
 
 
 def _steps(count: int) -> str:
@@ -177,7 +192,7 @@ def _tiles(summary: Summary) -> list[tuple[str, str, str]]:
             "µm",
         ),
         ("gap error, rms", number(errors.stated_rms_error_rad, ".3f", math.degrees(1)), "deg"),
-        ("reconfigurations", str(summary.reconfigurations), ""),
+        ("reconfigurations", number(summary.reconfigurations, ".0f"), ""),
         ("simulated time", number(summary.duration_s, ".5g"), "s"),
         ("pace", number(summary.real_time_factor, ".3g"), "× real time"),  # noqa: RUF001
     ]

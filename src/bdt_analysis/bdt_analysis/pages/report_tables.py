@@ -35,6 +35,11 @@ def steps_table(summary: Summary, steps: list[ReferenceStep]) -> Table:
         notes.append(f"{len(summary.steps) - len(shown)} more steps are in summary.json.")
     if steps and steps[-1].cut:
         notes.append("The end of the recording cuts the last step too short to be judged.")
+    holed = [str(k) for k, step in enumerate(steps, start=1) if step.holed]
+    if holed:
+        which = f"step {holed[0]}" if len(holed) == 1 else f"steps {', '.join(holed[:20])}"
+        more = " and more" if len(holed) > 20 else ""
+        notes.append(f"Not judged because a part of the recording is missing: {which}{more}.")
     return Table(
         key="steps",
         title="Steps",
@@ -103,7 +108,7 @@ def _estimate_table(recording: Recording, summary: Summary) -> Table:
             "deg",
         ),
         ("worst lag of the dead zone", number(errors.worst_lag_s, ".3f"), "s"),
-        ("reconfigurations", str(summary.reconfigurations), ""),
+        ("reconfigurations", number(summary.reconfigurations, ".0f"), ""),
         ("dead zone at the end", number(final, ".2f", 1e6), "µm"),
         ("dead zone at the end, as a gap", number(angle, ".2f", degrees), "deg"),
         ("true gap at the end", number(gap, ".2f", degrees), "deg"),

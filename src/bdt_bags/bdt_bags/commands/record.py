@@ -7,7 +7,7 @@ from datetime import datetime
 from pathlib import Path
 
 from bdt_bags.recorder.recorder_settings import RECORDING_OPTIONS, RecorderSettings
-from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.command_errors import FAILED, BadInputError, complain
 from bdt_msgs_py.commands import Command
 from bdt_msgs_py.parameter_tables import ros_arguments
 from bdt_msgs_py.quantity_options import add_quantity_options, quantities_from_options
@@ -27,7 +27,10 @@ def _add_arguments(parser: ArgumentParser) -> None:
 
 def _record(options: Namespace) -> int:
     # The list of commands needs no ROS.
-    from bdt_bags.recorder.recorder_node import RecorderNode  # noqa: PLC0415
+    from bdt_bags.recorder.recorder_node import (  # noqa: PLC0415
+        RecorderNode,
+        record_until_stopped,
+    )
     from bdt_msgs_py.loop_namespace import full_namespace, namespace_arguments  # noqa: PLC0415
     from bdt_msgs_py.node_main import run_node  # noqa: PLC0415
 
@@ -48,9 +51,11 @@ def _record(options: Namespace) -> int:
         print(f"recording to {bag}, Ctrl-C to stop", file=sys.stderr)
         return created[-1]
 
-    code = run_node(create, arguments)
+    code = run_node(create, arguments, spin=record_until_stopped)
     if created:
         print(f"{created[-1].summary}\nbag: {bag}")
+        if not code and created[-1].dropped:
+            return complain(f"--output {bag}: is incomplete, the disk did not take all", FAILED)
     return code
 
 

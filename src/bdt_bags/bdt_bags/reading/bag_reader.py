@@ -4,6 +4,7 @@ Reading is by ``rosbags`` alone, so a bag can be looked at where there is no ROS
 ever opened for reading.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
@@ -30,7 +31,7 @@ from bdt_bags.reading.bounded_decompression import (
     allowed_size,
     decompress_message,
 )
-from bdt_bags.reading.storage_files import storage_files
+from bdt_bags.reading.storage_files import recovery_hint, storage_files
 from bdt_bags.reading.topic_selection import RecordedTopic, TopicSelection, select_topics
 from bdt_msgs_py.topics import JOINT_STATE, MEASUREMENT, TELEMETRY, Topic
 
@@ -210,7 +211,9 @@ def _one_line_for_damage(path: Path) -> Iterator[None]:
     except OSError as error:
         raise BagError(f"bag {path}: cannot be read: {error.strerror or one_line(error)}") from None
     except DAMAGED_BAG as error:
-        raise BagError(f"bag {path}: is not a readable rosbag2 bag: {one_line(error)}") from error
+        raise BagError(
+            f"bag {path}: is not a readable rosbag2 bag: {one_line(error)}{recovery_hint(path)}"
+        ) from error
 
 
 def _fill(path: Path, reader: Reader, topics: Mapping[Topic, RawTopic], limit: int) -> int:
@@ -225,6 +228,7 @@ def _fill(path: Path, reader: Reader, topics: Mapping[Topic, RawTopic], limit: i
             )
     if not wanted:  # for the reader, none means all
         return limit
+    found: Counter[int] = Counter()
     for connection, received, stored in reader.messages(wanted):
         raw = by_name[connection.topic, connection.msgtype]
         data = _message(path, raw, received, stored, limit)
@@ -233,6 +237,13 @@ def _fill(path: Path, reader: Reader, topics: Mapping[Topic, RawTopic], limit: i
             raise BagError(f"bag {path}: holds more data than a bag of its size may")
         raw.received.append(received)
         raw.data.append(data)
+        found[connection.id] += 1
+    for connection in wanted:
+        if found[connection.id] < connection.msgcount:
+            raise BagError(
+                f"bag {path}: declares {connection.msgcount} messages of {connection.topic}: "
+                f"only {found[connection.id]} can be read{recovery_hint(path)}"
+            )
     return limit
 
 

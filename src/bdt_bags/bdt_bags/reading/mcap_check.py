@@ -15,12 +15,13 @@ from typing import IO, NamedTuple
 from bdt_bags.bag_error import BagError
 from bdt_bags.bag_format import MCAP_MAGIC
 from bdt_bags.reading.bounded_decompression import allowed_size, decompress, decompressed_size
+from bdt_bags.reading.mcap_checksums import Place, check_checksums
 
 LARGEST_CHANNELS = 2**20
 """Size of all descriptions of channels [bytes]: YAML, of which 0.2 MB are read in a second."""
 
-FOOTER, SCHEMA, CHANNEL, CHUNK, CHUNK_INDEX = 0x02, 0x03, 0x04, 0x06, 0x08
-DESCRIPTIONS = {FOOTER, SCHEMA, CHANNEL, CHUNK, CHUNK_INDEX}
+FOOTER, SCHEMA, CHANNEL, CHUNK, CHUNK_INDEX, DATA_END = 0x02, 0x03, 0x04, 0x06, 0x08, 0x0F
+DESCRIPTIONS = {FOOTER, SCHEMA, CHANNEL, CHUNK, CHUNK_INDEX, DATA_END}
 
 _RECORD = Struct("<BQ")
 _CHUNK_HEAD = Struct("<QQQII")
@@ -60,7 +61,7 @@ class Chunk(NamedTuple):
 
 
 def check_mcap(path: Path) -> None:
-    """Check every length that an mcap file declares.
+    """Check every length that an mcap file declares, and the checksums outside its chunks.
 
     Parameters
     ----------
@@ -70,7 +71,8 @@ def check_mcap(path: Path) -> None:
     Raises
     ------
     BagError
-        If a length is not possible, a chunk decompresses too far or the end is missing.
+        If a length is not possible, a chunk decompresses too far, a checksum is wrong or the end is
+        missing.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -82,6 +84,8 @@ def check_mcap(path: Path) -> None:
         chunks = _checked_chunks(file, records, allowed_size(size))
         _check_index(file, records, chunks)
         _check_channels(records)
+        ends = [Place(x.start, _content(file, x)) for x in records if x.opcode == DATA_END]
+        check_checksums(file, ends, Place(records[-1].start, _content(file, records[-1])))
         (summary,) = _SIZE.unpack(_content(file, records[-1])[:8].ljust(8, b"\0"))
         if not any(x.opcode == SCHEMA and x.start >= summary > 0 for x in records):
             # Without a summary the reader looks for channels in the chunks.

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
 from bdt_bags.bag_error import BagError, one_line
 from bdt_bags.bag_format import METADATA_FILE, NEWEST_VERSION, STORAGE_OF_SUFFIX
+from bdt_bags.file_checksums import PREFIX
 
 LARGEST_METADATA = 2**21
 """Size of metadata.yaml [bytes]: that of a bag of 10 000 files; it is read in four seconds."""
@@ -18,11 +19,18 @@ DEEPEST = 30
 STORAGES = tuple(STORAGE_OF_SUFFIX.values())
 
 
-def recorded_files(folder: Path) -> list[Path]:
+class RecordedFile(NamedTuple):
+    """A file of a bag, and its checksum as eight hexadecimal digits; "" where none is told."""
+
+    path: Path
+    checksum: str
+
+
+def recorded_files(folder: Path) -> list[RecordedFile]:
     """Return the files of a bag in their order.
 
-    Only the list of files is taken from the metadata: topics, types and counts are those of the
-    files themselves.
+    Only the list of files and their checksums are taken from the metadata: topics, types and
+    counts are those of the files themselves.
 
     Parameters
     ----------
@@ -56,7 +64,9 @@ def recorded_files(folder: Path) -> list[Path]:
     missing = [file.name for file in files if not file.is_file()]
     if missing:
         raise BagError(f"lacks the file {_short(missing[0])} of its metadata")
-    return files
+    custom = information.get("custom_data")
+    told = custom if isinstance(custom, dict) else {}
+    return [RecordedFile(file, str(told.get(f"{PREFIX}{file.name}", ""))) for file in files]
 
 
 def _information(path: Path) -> Mapping[str, Any]:

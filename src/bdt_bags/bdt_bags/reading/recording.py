@@ -80,8 +80,9 @@ class Recording(RunSignals):
     batch_rows : int
         Median number of rows of a telemetry message; 0 for a bag without telemetry, whose rows
         are those of measurements and commands.
-    reconfigurations : int
-        Number of times that the dead zone was set while the controller ran.
+    reconfigurations : int or None
+        Number of times that the dead zone was set while the controller ran; None when the bag has
+        no parameter events, which tell it.
     measurements, commands, batches : MessageTimes
         Times of the messages of measurement, command and telemetry.
     message_counts : mapping of str to int
@@ -97,7 +98,7 @@ class Recording(RunSignals):
     path: Path
     sample_times: FloatArray
     batch_rows: int
-    reconfigurations: int
+    reconfigurations: int | None
     measurements: MessageTimes
     commands: MessageTimes
     batches: MessageTimes
@@ -229,8 +230,13 @@ def _missing(bag: RawBag, samples: SampleRows) -> tuple[str, ...]:
     lines = [
         f"no {topic.name}: {text}" for topic, text in WITHOUT.items() if topic not in bag.topics
     ]
-    if PARAMETER_EVENTS not in bag.topics and DIAGNOSTICS not in bag.topics:
-        lines.append("neither parameter events nor diagnostics: dead zone unknown")
+    if not _has_parameter_events(bag):
+        known = DIAGNOSTICS in bag.topics
+        lines.append(
+            "no parameter_events: number of reconfigurations unknown"
+            if known
+            else "neither parameter events nor diagnostics: dead zone unknown"
+        )
     lost = len(samples.times) - len(samples.rows)
     if lost:
         lines.append(f"{lost} of {len(samples.times)} samples are not finite")
@@ -243,6 +249,11 @@ def _missing(bag: RawBag, samples: SampleRows) -> tuple[str, ...]:
     return tuple(lines)
 
 
+def _has_parameter_events(bag: RawBag) -> bool:
+    """Tell whether the topic was recorded, be it without a message."""
+    return PARAMETER_EVENTS in bag.topics or PARAMETER_EVENTS.name in bag.message_counts
+
+
 def _truth(bag: RawBag, origin: float) -> FloatArray | None:
     if TRUTH not in bag.topics:
         return None
@@ -253,8 +264,8 @@ def _truth(bag: RawBag, origin: float) -> FloatArray | None:
 
 def _dead_zone_log(
     bag: RawBag, namespace: str, events: Sequence[Any], clock: _Clock
-) -> tuple[FloatArray, int]:
-    """Return dead zones over time and number of reconfigurations."""
+) -> tuple[FloatArray, int | None]:
+    """Return dead zones over time and number of reconfigurations, None if that is unknown."""
     changes, log = np.empty((0, 2)), []
     raw = bag.topics.get(PARAMETER_EVENTS)
     if raw is not None:
@@ -272,5 +283,5 @@ def _dead_zone_log(
         rows = np.array([(t, value) for t, (_, value) in zip(when, seen, strict=True)])
         rows = rows.reshape(-1, 2)
         changes = np.concatenate([value_changes(rows), changes])
-    reconfigurations = sum(not change.initial for change in log)
-    return changes[np.argsort(changes[:, 0], kind="stable")], reconfigurations
+    count = sum(not change.initial for change in log) if _has_parameter_events(bag) else None
+    return changes[np.argsort(changes[:, 0], kind="stable")], count

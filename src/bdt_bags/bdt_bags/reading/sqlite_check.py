@@ -42,6 +42,7 @@ def check_sqlite(path: Path) -> None:
         with closing(sqlite3.connect(uri, uri=True)) as connection:
             connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, max(size, 2**20))
             _limit_work(connection, size)
+            _check_size(connection, size)
             _check_schema(connection)
             _check_content(connection)
     except (sqlite3.Error, UnicodeDecodeError) as error:
@@ -58,6 +59,16 @@ def _limit_work(connection: sqlite3.Connection, size: int) -> None:
         return left < 0
 
     connection.set_progress_handler(interrupt, _STEPS_BETWEEN_CHECKS)
+
+
+def _check_size(connection: sqlite3.Connection, size: int) -> None:
+    """Refuse a file that ends too early: sqlite takes what a page lacks for zeros."""
+    pages, page_size = (
+        int(connection.execute(f"PRAGMA {name}").fetchone()[0])
+        for name in ("page_count", "page_size")
+    )
+    if size < pages * page_size:
+        raise BagError(f"is cut off: has {size} bytes of {pages * page_size}")
 
 
 def _check_schema(connection: sqlite3.Connection) -> None:

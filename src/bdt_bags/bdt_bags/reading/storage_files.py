@@ -16,13 +16,33 @@ from bdt_bags.bag_format import (
     SQLITE_MAGIC,
     STORAGE_OF_SUFFIX,
 )
+from bdt_bags.file_checksums import file_checksum
 from bdt_bags.reading.bounded_decompression import ZSTD_MAGIC, decompress_file
 from bdt_bags.reading.mcap_check import check_mcap
-from bdt_bags.reading.metadata_file import recorded_files
+from bdt_bags.reading.metadata_file import RecordedFile, recorded_files
 from bdt_bags.reading.sqlite_check import check_sqlite
 
 ROS_1_MAGIC = b"#ROSBAG V"
 SUFFIXES = (*STORAGE_OF_SUFFIX, COMPRESSED_SUFFIX)
+
+DAMAGED = (
+    "is damaged",
+    "is cut off",
+    "has no end",
+    "has a damaged",
+    "is a damaged",
+    "is not an intact",
+    "record at byte",
+    "chunk",
+    "zstd data is damaged",
+    "lz4 data is damaged",
+)
+"""How errors begin of a file that may hold messages all the same."""
+
+
+def recovery_hint(bag: Path) -> str:
+    """Return what there is to do about a damaged bag, to be put behind the error."""
+    return f"; bdt recover {bag} makes a whole bag of what is left"
 
 
 @contextmanager
@@ -52,11 +72,12 @@ def storage_files(path: Path) -> Iterator[list[Path]]:
     files = _recorded_files(path)
     with TemporaryDirectory(prefix="bdt_bag_") as folder:
         yield [
-            _readable(path, file, Path(folder) / str(number)) for number, file in enumerate(files)
+            _readable(path, recorded, Path(folder) / str(number))
+            for number, recorded in enumerate(files)
         ]
 
 
-def _recorded_files(path: Path) -> list[Path]:
+def _recorded_files(path: Path) -> list[RecordedFile]:
     if not os.path.lexists(path):
         raise BagError(f"bag {path}: does not exist")
     if path.is_dir():
@@ -76,13 +97,15 @@ def _recorded_files(path: Path) -> list[Path]:
     if not path.is_file():  # a pipe or a device could be read for ever
         path.stat()
         raise BagError(f"bag {path}: must be a rosbag2 folder or an ordinary file")
-    return [path]
+    return [RecordedFile(path, "")]
 
 
-def _readable(bag: Path, file: Path, copy: Path) -> Path:
+def _readable(bag: Path, recorded: RecordedFile, copy: Path) -> Path:
     """Return a file that has been checked: the file itself or a copy of it."""
+    file = recorded.path
     name = "" if file == bag else f"{file.name}: "
     try:
+        _check_checksum(recorded)
         kind = _magic(file)
         if kind.startswith(ZSTD_MAGIC):
             decompressed = copy.with_suffix(".decompressed")
@@ -96,13 +119,19 @@ def _readable(bag: Path, file: Path, copy: Path) -> Path:
         else:
             check_mcap(file)
     except BagError as error:
-        raise BagError(f"bag {bag}: {name}{error}") from None
+        hint = recovery_hint(bag) if str(error).startswith(DAMAGED) else ""
+        raise BagError(f"bag {bag}: {name}{error}{hint}") from None
     # The reader tells files by their suffix, and gives sqlite the name as an URI, unquoted.
     if file.suffix != suffix or set("?#%") & set(str(file)):
         link = copy.with_suffix(suffix)
         link.symlink_to(file.resolve())
         return link
     return file
+
+
+def _check_checksum(recorded: RecordedFile) -> None:
+    if recorded.checksum and recorded.checksum != f"{file_checksum(recorded.path):08x}":
+        raise BagError("is damaged or was changed: it has another checksum than its metadata say")
 
 
 def _suffix(kind: bytes) -> str:

@@ -102,6 +102,11 @@ class RecorderNode(Node):
             f"{self._lost} lost on the way to the recorder"
         )
 
+    @property
+    def dropped(self) -> int:
+        """Number of messages that the disk did not take."""
+        return self._writer.dropped.total()
+
     def _open_bag(self, settings: RecorderSettings) -> BackgroundWriter:
         try:
             files = BagFiles(

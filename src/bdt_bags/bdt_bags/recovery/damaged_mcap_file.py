@@ -21,6 +21,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 from bdt_bags.bag_format import MCAP_MAGIC
+from bdt_bags.reading.bounded_decompression import allowed_size
 from bdt_bags.recovery.damaged_file import Damage
 from bdt_bags.recovery.decompression import (
     LARGEST_CHUNK,
@@ -79,7 +80,7 @@ class DamagedMcapFile:
         self.compression = "none"
         self._path = path
         self._numbers: dict[int, int] = {}
-        self._doubtful = 0
+        self._doubtful = self._room = 0
         with path.open("rb") as file:
             # An empty file cannot be mapped.
             self._data: mmap.mmap | bytes = (
@@ -146,6 +147,7 @@ class DamagedMcapFile:
         """Iterate over opcode and content of all records, those in chunks included."""
         data, size = self._data, len(self._data)
         self._doubtful = size
+        self._room = allowed_size(size)
         position = len(MCAP_MAGIC)
         if data[:position] != MCAP_MAGIC:
             self.damage.note("the file does not begin as an mcap file does")
@@ -267,6 +269,8 @@ class DamagedMcapFile:
         compressed = stored[begin:]
         if name == b"":
             return _Chunk(compressed[:length], length, checksum, begin, True)
+        if length > self._room:
+            raise ValueError("the file holds more than one of its size may")
         if name == b"zstd":
             self.compression = "zstd"
             content = decompressed_zstd(compressed, length)
@@ -274,6 +278,7 @@ class DamagedMcapFile:
             content = decompressed_lz4(compressed, length)
         else:
             raise ValueError(f"its compression {name!r} is not known")
+        self._room -= len(content)
         return _Chunk(content, length, checksum, begin, False)
 
 

@@ -1,19 +1,24 @@
-"""Reads a sqlite3 bag file with what its journal or write-ahead log holds, past damaged pages."""
+"""Reads a sqlite3 bag file with what its journal or write-ahead log holds, past damaged pages.
+
+An intact file is read by sqlite, a damaged one page by page: the tree of a damaged file can lead
+sqlite in circles.
+"""
 
 import shutil
 import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
+from bdt_bags.bag_error import BagError, one_line
+from bdt_bags.reading.sqlite_check import check_sqlite
 from bdt_bags.recovery.damaged_file import Damage
+from bdt_bags.recovery.sqlite_log import apply_log
+from bdt_bags.recovery.sqlite_pages import Row, SqlitePages
 from bdt_bags.writing.topic_metadata import SerializedMessage, TopicMetadata, topic_metadata
 
-COMPANIONS = ("-journal", "-wal")
-"""What sqlite keeps beside a file; without it the last transaction is torn or missing."""
-
-_ATTEMPTS = 100_000
-"""Queries that may be spent on finding what can be read around damaged pages."""
-_LONGEST_DATA = 1 << 30
+_NAMES_ANOTHER_JOURNAL = bytes.fromhex("d9d505f920a163d7")
+"""End of a journal of several files; to roll back with it, sqlite deletes a file that it names."""
 
 
 class DamagedSqliteFile:
@@ -50,49 +55,66 @@ class DamagedSqliteFile:
         self._numbers: dict[int, int] = {}
         self._copy = workspace / path.name
         shutil.copyfile(path, self._copy)
-        for companion in COMPANIONS:
-            beside = path.with_name(path.name + companion)
-            if beside.exists():
-                shutil.copyfile(beside, self._copy.with_name(self._copy.name + companion))
-        self._connection = sqlite3.connect(self._copy, isolation_level=None)
-        self._connection.text_factory = lambda text: text.decode(errors="replace")
+        self._roll_back(path.with_name(f"{path.name}-journal"))
+        log = path.with_name(f"{path.name}-wal")
+        if log.exists():
+            apply_log(self._copy, log, self.damage)
+        self._pages: SqlitePages | None = None
         try:
-            # Reads a file that is shorter than its first page says.
-            self._connection.execute("PRAGMA writable_schema = ON")
-            # One transaction for all queries: sqlite need not look for changes before each.
-            self._connection.execute("BEGIN")
-            self._find_topics()
-        except sqlite3.Error as error:
-            self.damage.note(f"topics cannot be read: {error}")
+            check_sqlite(self._copy)
+            with closing(sqlite3.connect(self._copy)) as connection:
+                self._find_topics(_described_topics(connection), _definitions(connection))
+        except (BagError, sqlite3.Error) as error:
+            self.damage.note(f"read page by page: {one_line(error)}")
+            self._pages = SqlitePages(self._copy)
+            if missing := self._pages.missing_pages():
+                self.damage.note(f"the file lacks the last {missing} of its pages")
+            self._find_topics(*_descriptions_in(self._pages))
 
     def messages(self) -> Iterator[SerializedMessage]:
         """Iterate over the messages in the order in which they were recorded."""
-        for identifier, topic, received, data in self._rows():
-            number = self._numbers.get(topic)
+        pages = self._pages
+        for identifier, values in self._rows() if pages is None else self._rows_of_pages(pages):
+            topic, received, data = values[-3:]
+            number = self._numbers.get(topic) if isinstance(topic, int) else None
             if number is None:
                 self.damage.note(f"message {identifier} is of an unknown topic {topic!r}")
             elif not isinstance(received, int) or not isinstance(data, bytes):
                 self.damage.note(f"message {identifier} has no time or no content")
             else:
                 yield SerializedMessage(number, received, received, data)
-        self._connection.close()
 
-    def _find_topics(self) -> None:
-        columns = {row[1] for row in self._connection.execute("PRAGMA table_info(topics)")}
-        # Older recorders did not write these.
-        offered = "offered_qos_profiles" if "offered_qos_profiles" in columns else "''"
-        type_hash = "type_description_hash" if "type_description_hash" in columns else "''"
-        definitions = self._definitions()
-        for row in self._connection.execute(
-            f"SELECT id, name, type, serialization_format, {offered}, {type_hash} FROM topics"  # noqa: S608
-        ):
-            identifier, *texts = row
-            if not all(isinstance(text, str) for text in texts) or not texts[0]:
+    def _roll_back(self, journal: Path) -> None:
+        """Undo the transaction that was under way, which a journal tells."""
+        if not journal.exists():
+            return
+        if journal.read_bytes().endswith(_NAMES_ANOTHER_JOURNAL):
+            self.damage.note("the journal is left out: it is that of several files")
+            return
+        shutil.copyfile(journal, self._copy.with_name(f"{self._copy.name}-journal"))
+        try:
+            with closing(sqlite3.connect(self._copy)) as connection:
+                connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+        except sqlite3.Error as error:
+            self.damage.note(f"the journal cannot be read: {error}")
+
+    def _find_topics(self, topics: list[Row], definitions: list[Row]) -> None:
+        texts = {row.values[1]: (row.values[2], row.values[3]) for row in definitions}
+        for identifier, (_, *columns) in topics:
+            # Older recorders did not write the last two.
+            name, message_type, serialization, qos, digest = (*columns, "", "")[:5]
+            if not (
+                isinstance(name, str)
+                and isinstance(message_type, str)
+                and isinstance(serialization, str)
+                and isinstance(qos, str)
+                and isinstance(digest, str)
+                and name
+            ):
                 self.damage.note(f"topic {identifier} is damaged")
                 continue
-            name, message_type, serialization, qos, digest = texts
-            if message_type in definitions:
-                encoding, definition = definitions[message_type]
+            encoding, definition = texts.get(message_type, (None, None))
+            if isinstance(encoding, str) and isinstance(definition, str):
                 topic = TopicMetadata(
                     name, message_type, definition, digest, qos, encoding, serialization
                 )
@@ -101,55 +123,78 @@ class DamagedSqliteFile:
             self._numbers[identifier] = len(self.topics)
             self.topics.append(topic)
 
-    def _definitions(self) -> dict[str, tuple[str, str]]:
-        try:
-            rows = self._connection.execute(
-                "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
-            ).fetchall()
-        except sqlite3.Error:
-            # A file of an older recorder has no such table.
-            return {}
-        return {
-            kind: (encoding, text)
-            for kind, encoding, text in rows
-            if isinstance(encoding, str) and isinstance(text, str)
-        }
+    def _rows(self) -> Iterator[Row]:
+        with closing(sqlite3.connect(self._copy)) as connection:
+            for identifier, *values in connection.execute(
+                "SELECT id, topic_id, timestamp, data FROM messages ORDER BY id"
+            ):
+                yield Row(identifier, tuple(values))
 
-    def _rows(self) -> Iterator[tuple[int, int, object, object]]:
-        """Iterate over all rows that can be read; damaged pages are closed in on by halves."""
-        last = self._last_identifier()
-        ranges = [(-(2**63), last)]
-        attempts = 0
-        while ranges:
-            low, high = ranges.pop()
-            try:
-                for row in self._connection.execute(
-                    "SELECT id, topic_id, timestamp, data FROM messages "
-                    "WHERE id BETWEEN ? AND ? ORDER BY id",
-                    (low, high),
-                ):
-                    low = row[0] + 1
-                    yield row
-            except (sqlite3.Error, OverflowError, MemoryError) as error:
-                attempts += 1
-                if low < 0 or attempts == 1:
-                    self.damage.note(f"messages from {max(low, 0)} on: {error}")
-                low = max(low, 0)
-                if attempts == _ATTEMPTS:
-                    self.damage.note("too much is damaged: what lies within is left out")
-                if attempts >= _ATTEMPTS or low >= high:
-                    continue
-                middle = (low + high) // 2
-                # The part that is read next stands last.
-                ranges += [(middle + 1, high), (low, middle)]
+    def _rows_of_pages(self, pages: SqlitePages) -> Iterator[Row]:
+        """Iterate over the messages of all pages.
 
-    def _last_identifier(self) -> int:
-        try:
-            found = self._connection.execute("SELECT max(id) FROM messages").fetchone()[0]
-        except sqlite3.Error:
-            found = None
-        # No row takes less than ten bytes.
-        return found if isinstance(found, int) else self._copy.stat().st_size // 10
+        Pages are in the order of the middle one of their rows, rows in that of their page: a
+        number that is damaged misplaces nothing.
+        """
+        order = []
+        for page in pages.leaves():
+            numbers = sorted(row.identifier for row in page.rows if _is_message(row))
+            if numbers:
+                order.append((numbers[len(numbers) // 2], page.place))
+            elif page.torn:
+                self.damage.note(f"page at byte {page.place}: {page.torn} rows are damaged")
+        pages.begin_anew()
+        for _, place in sorted(order):
+            page = pages.leaf(place)
+            if page.torn:
+                self.damage.note(f"page at byte {place}: {page.torn} rows are damaged")
+            yield from filter(_is_message, page.rows)
+        if unknown := pages.unknown_pages():
+            self.damage.note(f"{unknown} pages are damaged", unknown * pages.page_size)
+
+
+def _is_message(row: Row) -> bool:
+    if len(row.values) != 4:
+        return False
+    none, topic, received, data = row.values
+    whole = isinstance(topic, int) and isinstance(received, int) and isinstance(data, bytes)
+    return none is None and whole
+
+
+def _descriptions_in(pages: SqlitePages) -> tuple[list[Row], list[Row]]:
+    """Return the rows that describe topics and those that define messages."""
+    topics, definitions = [], []
+    for page in pages.leaves():
+        for row in page.rows:
+            texts = row.values[1:]
+            if row.values[:1] != (None,) or not all(isinstance(text, str) for text in texts):
+                continue
+            if len(texts) >= 3 and str(texts[0]).startswith("/"):
+                topics.append(row)
+            elif len(texts) >= 3:
+                definitions.append(row)
+    return topics, definitions
+
+
+def _described_topics(connection: sqlite3.Connection) -> list[Row]:
+    columns = {row[1] for row in connection.execute("PRAGMA table_info(topics)")}
+    # Older recorders did not write these.
+    offered = "offered_qos_profiles" if "offered_qos_profiles" in columns else "''"
+    type_hash = "type_description_hash" if "type_description_hash" in columns else "''"
+    found = connection.execute(
+        f"SELECT id, name, type, serialization_format, {offered}, {type_hash} FROM topics"  # noqa: S608
+    )
+    return [Row(identifier, (None, *texts)) for identifier, *texts in found]
+
+
+def _definitions(connection: sqlite3.Connection) -> list[Row]:
+    if not connection.execute("PRAGMA table_info(message_definitions)").fetchall():
+        # A file of an older recorder has no such table.
+        return []
+    found = connection.execute(
+        "SELECT id, topic_type, encoding, encoded_message_definition FROM message_definitions"
+    )
+    return [Row(identifier, (None, *texts)) for identifier, *texts in found]
 
 
 def _defined_by_jazzy(name: str, message_type: str, offered_qos: str) -> TopicMetadata:

@@ -14,6 +14,8 @@ import zstandard
 
 from bdt_bags.bag_error import BagError, one_line
 from bdt_bags.bag_format import COMPRESSED_SUFFIX, METADATA_FILE, STORAGE_OF_SUFFIX
+from bdt_bags.file_checksums import PREFIX
+from bdt_bags.reading.bounded_decompression import PIECE, allowed_size
 from bdt_bags.recovery.damaged_file import Damage, DamagedFile
 from bdt_bags.recovery.damaged_mcap_file import DamagedMcapFile
 from bdt_bags.recovery.damaged_sqlite_file import DamagedSqliteFile
@@ -21,6 +23,7 @@ from bdt_bags.recovery.decompression import LARGEST_CHUNK, decompressed_zstd
 from bdt_bags.writing.bag_files import BagFiles
 from bdt_bags.writing.metadata_file import UNFINISHED
 from bdt_bags.writing.topic_metadata import BagWriteError, SerializedMessage
+from bdt_msgs_py.output_files import real_path
 
 _BATCH = 10_000
 
@@ -101,7 +104,7 @@ def _copy_files(
             elif recovery.messages:
                 bag.split()
                 bag.sync()
-            _copy_messages(damaged, bag, metadata, recovery)
+            _copy_messages(damaged, file.stat().st_size, bag, metadata, recovery)
             recovery.damage[file.name] = damaged.damage
         if bag is not None:
             bag.close(_custom_data(metadata, recovery))
@@ -111,7 +114,7 @@ def _copy_files(
 
 
 def _copy_messages(
-    damaged: DamagedFile, bag: BagFiles, metadata: dict[str, Any], recovery: Recovery
+    damaged: DamagedFile, size: int, bag: BagFiles, metadata: dict[str, Any], recovery: Recovery
 ) -> None:
     by_message = str(metadata.get("compression_mode", "")).lower() == "message"
     places = {(topic.name, topic.message_type): n for n, topic in enumerate(bag.topics)}
@@ -121,8 +124,10 @@ def _copy_messages(
         if key not in places:
             places[key] = bag.add_topic(topic)
         numbers.append(places[key])
+    limit = allowed_size(size)
     for stored in _batches(damaged.messages()):
-        batch = _decompressed(stored, damaged.damage) if by_message else stored
+        batch = _decompressed(stored, limit, damaged.damage) if by_message else stored
+        limit -= sum(len(message.data) for message in batch) if by_message else 0
         bag.append([message._replace(topic=numbers[message.topic]) for message in batch])
         bag.commit()
         for message in batch:
@@ -135,17 +140,19 @@ def _open_damaged(file: Path, storage: str, workspace: Path) -> DamagedFile:
     if file.suffix == COMPRESSED_SUFFIX:
         plain = workspace / file.stem
         with file.open("rb") as packed, plain.open("wb") as target:
-            _unpack(packed, target)
+            _unpack(packed, target, allowed_size(file.stat().st_size))
         file = plain
         workspace /= "copy"
         workspace.mkdir(exist_ok=True)
     return DamagedMcapFile(file) if storage == "mcap" else DamagedSqliteFile(file, workspace)
 
 
-def _unpack(packed: Any, target: Any) -> None:
+def _unpack(packed: Any, target: Any, limit: int) -> None:
     with zstandard.ZstdDecompressor().stream_reader(packed) as reader:
         try:
-            shutil.copyfileobj(reader, target)
+            while limit > 0 and (piece := reader.read(min(PIECE, limit))):
+                target.write(piece)
+                limit -= len(piece)
         except zstandard.ZstdError:
             # The file ends here for the recovery, which tells what it misses.
             return
@@ -161,10 +168,13 @@ def _batches(messages: Iterator[SerializedMessage]) -> Iterator[list[SerializedM
     yield batch
 
 
-def _decompressed(batch: list[SerializedMessage], damage: Damage) -> list[SerializedMessage]:
+def _decompressed(
+    batch: list[SerializedMessage], limit: int, damage: Damage
+) -> list[SerializedMessage]:
     plain = []
     for message in batch:
-        data = decompressed_zstd(message.data, LARGEST_CHUNK)
+        data = decompressed_zstd(message.data, min(limit, LARGEST_CHUNK))
+        limit -= len(data)
         if data:
             plain.append(message._replace(data=data))
         else:
@@ -176,7 +186,11 @@ def _custom_data(metadata: dict[str, Any], recovery: Recovery) -> dict[str, str]
     known = metadata.get("custom_data")
     kept = known if isinstance(known, dict) else {}
     return {
-        **{str(key): str(value) for key, value in kept.items() if key not in UNFINISHED},
+        **{
+            str(key): str(value)
+            for key, value in kept.items()
+            if key not in UNFINISHED and not str(key).startswith(PREFIX)
+        },
         "recovered_from": recovery.source.name,
         "bytes_not_understood": str(sum(one.byte_count for one in recovery.damage.values())),
     }
@@ -220,7 +234,7 @@ def _place(file: Path) -> tuple[list[int], str]:
 
 
 def _beside(source: Path) -> Path:
-    resolved = source.resolve()
+    resolved = real_path(source)
     name = resolved.name
     if source.is_file():
         name = name.removesuffix(COMPRESSED_SUFFIX)

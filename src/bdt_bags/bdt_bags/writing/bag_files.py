@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bdt_bags.file_checksums import checksum_entry
 from bdt_bags.writing.metadata_file import (
     UNFINISHED,
     FileInformation,
@@ -152,6 +153,9 @@ class BagFiles:
                 file.finish(information)
                 self._ended.popleft()
             if current is not None:
+                if not current.path.exists():
+                    # The system goes on to take what nobody will ever find.
+                    raise BagWriteError(f"{current.path.name} was deleted or moved")
                 current.sync()
             if self._synced_names < names:
                 self._sync_folder()
@@ -193,6 +197,8 @@ class BagFiles:
             self.sync()
             if self.storage == "sqlite3" and self._compression == "zstd":
                 self._compress_files(custom)
+            elif self.storage == "sqlite3":
+                write_metadata(self.folder, self._describe({**custom, **self._checksums()}))
             else:
                 write_metadata(self.folder, self._describe(custom))
         except BagWriteError:
@@ -289,6 +295,13 @@ class BagFiles:
         write_metadata(self.folder, self._describe(custom, "zstd"))
         for original in originals:
             original.unlink()
+
+    def _checksums(self) -> dict[str, str]:
+        """Return the checksums of files that have none in them."""
+        try:
+            return dict(checksum_entry(self.folder / span.name) for span in self.spans)
+        except OSError as error:
+            raise BagWriteError(error.strerror) from error
 
     def _sync_folder(self) -> None:
         try:

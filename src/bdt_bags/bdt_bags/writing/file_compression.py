@@ -1,4 +1,4 @@
-"""Whole files of a bag, compressed once they have ended."""
+"""Whole files of a bag, compressed once they have ended, with a checksum."""
 
 import os
 from pathlib import Path
@@ -30,7 +30,7 @@ def compressed_copy(original: Path) -> Path:
     compressed = original.with_name(f"{original.name}{COMPRESSED_SUFFIX}")
     try:
         with original.open("rb") as source, compressed.open("xb") as target:
-            zstandard.ZstdCompressor().copy_stream(source, target)
+            zstandard.ZstdCompressor(write_checksum=True).copy_stream(source, target)
             target.flush()
             os.fsync(target.fileno())
     except OSError as error:

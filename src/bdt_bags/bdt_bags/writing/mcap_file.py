@@ -13,7 +13,7 @@ from bdt_bags.writing.topic_metadata import BagWriteError, SerializedMessage, To
 
 
 class McapFile:
-    """Writes one mcap file; a commit ends a chunk, which carries a checksum.
+    """Writes one mcap file; a commit ends a chunk, which carries a checksum as data and index do.
 
     The library ``mcap`` encodes into memory, this class carries that to the disk. A disk that is
     full thus leaves the encoder in order: the rest is written when there is space again.
@@ -49,7 +49,11 @@ class McapFile:
         self._finished = self._closed = False
         self._open = threading.Lock()
         kind = CompressionType.ZSTD if compression == "zstd" else CompressionType.NONE
-        self._writer = Writer(self._pending, compression=kind)  # type: ignore[arg-type]
+        self._writer = Writer(
+            self._pending,  # type: ignore[arg-type]
+            compression=kind,
+            enable_data_crcs=True,
+        )
         self._writer.start("ros2")
 
     @property

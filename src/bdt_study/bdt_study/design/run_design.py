@@ -9,7 +9,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.output_files import PICTURES, not_writable, prepare_output
 from bdt_plant.plant import PlantModel
 from bdt_study.design.figures import design_figure
 from bdt_study.design.loop_margins import LoopMargins
@@ -22,7 +22,7 @@ def run_design(output: Path, *, as_json: bool) -> None:
     Parameters
     ----------
     output : Path
-        PNG file for Bode, Nyquist and step response.
+        PNG, SVG or PDF file for Bode, Nyquist and step response.
     as_json : bool
         Print JSON instead of tables.
 
@@ -31,13 +31,14 @@ def run_design(output: Path, *, as_json: bool) -> None:
     BadInputError
         If the file cannot be written.
     """
+    prepare_output("--output", output, PICTURES)
     model = PlantModel()
     design = design_pid(model)
     figure = design_figure(model, design)
     try:
         figure.savefig(output)
-    except (OSError, ValueError) as error:
-        raise BadInputError(f"--output {output}: cannot be written: {error}") from error
+    except OSError as error:
+        raise not_writable("--output", output, error) from error
     if as_json:
         print(json.dumps(design_dictionary(design), indent=2))
         return

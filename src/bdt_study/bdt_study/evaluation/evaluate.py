@@ -13,6 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.output_files import PICTURES, not_writable, prepare_output
 from bdt_plant.plant import PlantModel
 from bdt_study.evaluation.cases import CASES, Case
 from bdt_study.evaluation.outcome import CaseOutcome, summarize_trials
@@ -21,17 +22,21 @@ from bdt_twin.estimator_choice import KINDS, EstimatorChoice, create_estimator
 from bdt_twin.inverse_filter import InverseFilterSettings
 from bdt_twin.output_error_settings import OutputErrorSettings
 
+SEEDS = 2**31
+"""Number of scenarios: each has the seed of a sensor."""
+
 
 def evaluate(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     cases = [_case(name) for name in options.cases] if options.cases else list(CASES)
     kinds = [_kind(kind) for kind in options.estimator or KINDS]
-    if options.runs < 1 or options.seed < 0:
+    if not (options.runs >= 1 and options.seed >= 0 and options.seed + options.runs <= SEEDS):
         raise BadInputError(
-            f"--runs {options.runs} --seed {options.seed}: must be at least 1 and at least 0"
+            f"--runs {options.runs} --seed {options.seed}: must be at least 1 and at least 0, "
+            f"together at most {SEEDS}"
         )
-    if options.figure is not None and options.figure.suffix not in (".png", ".svg", ".pdf"):
-        raise BadInputError(f"--figure {options.figure}: must end with .png, .svg or .pdf")
+    if options.figure is not None:
+        prepare_output("--figure", options.figure, PICTURES)
     seeds = range(options.seed, options.seed + options.runs)
     trials = run_trials(cases, kinds, seeds)
     outcomes = [
@@ -43,8 +48,10 @@ def evaluate(options: argparse.Namespace) -> int:
         # Nothing else here needs the plotting library.
         from bdt_study.evaluation.figure import error_figure  # noqa: PLC0415
 
-        options.figure.parent.mkdir(parents=True, exist_ok=True)
-        error_figure(trials).savefig(options.figure)
+        try:
+            error_figure(trials).savefig(options.figure)
+        except OSError as error:
+            raise not_writable("--figure", options.figure, error) from error
     if options.json:
         print(json.dumps({"cases": [asdict(outcome) for outcome in outcomes]}, indent=2))
     else:
