@@ -13,6 +13,10 @@ from disturbed_loop import DisturbedLoop
 from stray_messages import REFERENCE_STRAYS, SECOND_REFERENCE, STRAYS
 from stray_table import TABLE, TABLE_DATA, markdown_table, table_row
 
+pytest.importorskip(
+    "embedded_ros", reason="rclpy's executor is too slow for this many nodes: six steps a second"
+)
+
 BEGIN = 1.5
 SPACING = 0.3
 """Simulated time of the first stray, and from one to the next [s]."""
