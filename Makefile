@@ -50,10 +50,11 @@ $(VENV)/.ready: requirements.lock $(VERSIONS) $(wildcard src/*/setup.py src/*/pa
 	@test -n "$(PYTHON)" || { echo "error: Python 3.11 or 3.12 is needed (PYTHON=/path/to/python)"; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	$(if $(VERSIONS),$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r $(VERSIONS))
 	@# A sourced ROS 2 brings its own rclpy; embedded_ros is for machines that have none.
 	$(BIN)/python -c 'import rclpy' 2>/dev/null || $(BIN)/python -m pip install --quiet \
 		--disable-pip-version-check --use-pep517 --no-deps --no-build-isolation -e embedded_ros
+	@# From here on with the versions asked for; embedded_ros is never built with those of a ROS 2.
+	$(if $(VERSIONS),$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r $(VERSIONS))
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --use-pep517 --no-deps \
 		--no-build-isolation $(addprefix -e ,$(PACKAGES))
 	touch $@
