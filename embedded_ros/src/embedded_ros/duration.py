@@ -1,8 +1,9 @@
 """Lengths of time: whole nanoseconds in 64 bits with a sign."""
 
-import operator
 from collections.abc import Callable
 from typing import Any, Final
+
+from embedded_ros.ordering import Ordered
 
 __all__ = ["NANOSECONDS_PER_SECOND", "Duration", "Infinite", "whole_nanoseconds"]
 
@@ -24,7 +25,7 @@ def whole_nanoseconds(seconds: float, nanoseconds: int, container: str) -> int:
     raise OverflowError(f"Total nanoseconds value is too large to store in C {container}.")
 
 
-class Duration:
+class Duration(Ordered):
     """A period between two time points, in nanoseconds; it may be negative.
 
     Parameters
@@ -52,23 +53,6 @@ class Duration:
 
     def _compared(self, other: object, holds: Callable[[int, int], bool]) -> bool:
         return holds(self._length, other._length) if isinstance(other, Duration) else NotImplemented
-
-    def __eq__(self, other: object) -> bool:
-        return self._compared(other, operator.eq)
-
-    def __lt__(self, other: object) -> bool:
-        return self._compared(other, operator.lt)
-
-    def __le__(self, other: object) -> bool:
-        return self._compared(other, operator.le)
-
-    def __gt__(self, other: object) -> bool:
-        return self._compared(other, operator.gt)
-
-    def __ge__(self, other: object) -> bool:
-        return self._compared(other, operator.ge)
-
-    __hash__ = None  # type: ignore[assignment]
 
     def to_msg(self) -> Any:
         """Convert to a ``builtin_interfaces.msg.Duration``."""

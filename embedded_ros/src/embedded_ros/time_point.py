@@ -1,11 +1,11 @@
 """Points in time, and the kinds of clocks on which they stand."""
 
-import operator
 from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, overload
 
 from embedded_ros.duration import NANOSECONDS_PER_SECOND, Duration, whole_nanoseconds
+from embedded_ros.ordering import Ordered
 
 __all__ = ["ClockType", "Time"]
 
@@ -20,7 +20,7 @@ class ClockType(IntEnum):
     STEADY_TIME = 3
 
 
-class Time:
+class Time(Ordered):
     """A point in time on a clock; times of different clock types do not compare.
 
     Parameters
@@ -113,23 +113,6 @@ class Time:
         if isinstance(other, Time):
             return holds(self._since_epoch, other._on_same_clock(self, "compare times"))
         return NotImplemented  # type: ignore[no-any-return]
-
-    def __eq__(self, other: object) -> bool:
-        return self._compared(other, operator.eq)
-
-    def __lt__(self, other: object) -> bool:
-        return self._compared(other, operator.lt)
-
-    def __le__(self, other: object) -> bool:
-        return self._compared(other, operator.le)
-
-    def __gt__(self, other: object) -> bool:
-        return self._compared(other, operator.gt)
-
-    def __ge__(self, other: object) -> bool:
-        return self._compared(other, operator.ge)
-
-    __hash__ = None  # type: ignore[assignment]
 
     # ------------------------------------------------------------------ messages
 
