@@ -57,10 +57,7 @@ def joint_positions(
             return None
         return read_position(message, joint)
 
-    rows = _rows(bag, topic, read, clock)
-    if not len(rows):
-        return np.empty((0, 2))
-    return rows[np.argsort(rows[:, 0], kind="stable")]
+    return _in_order(_rows(bag, topic, read, clock, 2))
 
 
 def dead_zone_requests(bag: RawBag, clock: Clock) -> FloatArray:
@@ -83,12 +80,8 @@ def dead_zone_requests(bag: RawBag, clock: Clock) -> FloatArray:
     BagError
         If a message contradicts itself.
     """
-    rows = _rows(bag, BACKLASH_ESTIMATE, _read_request, clock)
-    if not len(rows):
-        return np.empty((0, 4))
-    times, ages, tolerances, gaps = rows.T
-    requests: FloatArray = np.stack([times + ages, tolerances, times, gaps], axis=1)
-    return requests[np.argsort(requests[:, 0], kind="stable")]
+    times, ages, tolerances, gaps = _rows(bag, BACKLASH_ESTIMATE, _read_request, clock, 4).T
+    return _in_order(np.stack([times + ages, tolerances, times, gaps], axis=1))
 
 
 def held_gaps(bag: RawBag, clock: Clock) -> FloatArray:
@@ -116,12 +109,8 @@ def held_gaps(bag: RawBag, clock: Clock) -> FloatArray:
         stamp, gap = read_position(message, GAP_JOINT)
         return stamp, _age(message), gap
 
-    rows = _rows(bag, BACKLASH_ESTIMATE, read, clock)
-    if not len(rows):
-        return np.empty((0, 2))
-    times, ages, gaps = rows.T
-    held: FloatArray = np.stack([times + ages, gaps], axis=1)
-    return held[np.argsort(held[:, 0], kind="stable")]
+    times, ages, gaps = _rows(bag, BACKLASH_ESTIMATE, read, clock, 3).T
+    return _in_order(np.stack([times + ages, gaps], axis=1))
 
 
 def _read_request(message: Any) -> tuple[int, float, float, float] | None:
@@ -142,14 +131,16 @@ def _rows(
     topic: Topic,
     read: Callable[[Any], tuple[int, *tuple[float, ...]] | None],
     clock: Clock,
+    columns: int,
 ) -> FloatArray:
     """Return rows of (time [s], numbers) in the order of the bag; only finite ones.
 
-    `read` turns a message into (stamp [ns], numbers), or into None to leave it out.
+    `read` turns a message into (stamp [ns], numbers), or into None to leave it out; the result
+    has so many `columns`, also without a row.
     """
     raw = bag.topics.get(topic)
     if raw is None:
-        return np.empty((0, 0))
+        return np.empty((0, columns))
     stamps, received, rows = [], [], []
     for number, message in enumerate(decode(bag.path, raw)):
         try:
@@ -161,9 +152,15 @@ def _rows(
             received.append(raw.received[number])
             rows.append(row[1:])
     if not rows:
-        return np.empty((0, 0))
+        return np.empty((0, columns))
     values = np.array(rows)
     times = clock(stamps, received)
     kept = (np.abs(values) < LARGEST_VALUE).all(axis=1)  # the nodes ignore what is not finite
     found: FloatArray = np.column_stack([times, values])[kept]
     return found
+
+
+def _in_order(rows: FloatArray) -> FloatArray:
+    """Return rows in the order of their first column, the time."""
+    ordered: FloatArray = rows[np.argsort(rows[:, 0], kind="stable")]
+    return ordered

@@ -17,13 +17,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_bags.bag_format import SQLITE_PAGE_SIZES
 from bdt_bags.recovery.damaged_file import Damage
 
 _HEADER = Struct(">8I")
 _FRAME = Struct(">6I")
 _SUMMED_OF_HEADER = 24
 _SUMMED_OF_FRAME = 8
-_PAGE_SIZES = tuple(512 << power for power in range(8))
 
 
 class _Frame(NamedTuple):
@@ -57,7 +57,7 @@ def apply_log(file: Path, log: Path, damage: Damage) -> None:
             damage.note("the log ends in its header", len(data))
         return
     magic, _, page_size, _, *_ = _HEADER.unpack_from(data)
-    if magic & ~1 != 0x377F0682 or page_size not in _PAGE_SIZES:
+    if magic & ~1 != 0x377F0682 or page_size not in SQLITE_PAGE_SIZES:
         damage.note("the log has a damaged header: it is left out", len(data))
         return
     highest = (file.stat().st_size + len(data)) // page_size

@@ -15,12 +15,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from bdt_bags.bag_format import SQLITE_MAGIC
+from bdt_bags.bag_format import SQLITE_MAGIC, SQLITE_PAGE_SIZES
 
 Value = int | float | str | bytes | None
 
 _USUAL_PAGE_SIZE = 4096
-_PAGE_SIZES = tuple(512 << power for power in range(8))
 _TABLE_LEAF = 0x0D
 _FILE_HEADER = 100
 _PAGE_HEADER = 8
@@ -109,7 +108,7 @@ class SqlitePages:
             stored = int.from_bytes(self._data[16:18], "big")
             page_size = {1: 65536}.get(stored, stored)
             reserved = self._data[20]
-            if page_size not in _PAGE_SIZES or page_size - reserved < 480:
+            if page_size not in SQLITE_PAGE_SIZES or page_size - reserved < 480:
                 page_size, reserved = _USUAL_PAGE_SIZE, 0
         return page_size, page_size - reserved
 
