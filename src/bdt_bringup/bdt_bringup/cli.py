@@ -19,7 +19,7 @@ from bdt_msgs_py.commands import Command
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command; the console script ``bdt``."""
+    """Run the command and end the process with its exit code."""
     with quiet_when_nobody_reads():
         sys.exit(run_command(arguments))
 

@@ -4,7 +4,7 @@ import signal
 
 
 def main() -> None:
-    """Run the command."""
+    """Run the command; the console script ``bdt``."""
     ends = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if ends:
         # What follows imports modules for some tenths of a second; there is nothing to end yet.
