@@ -33,6 +33,9 @@ FloatArray = NDArray[np.float64]
 SMALLEST_TRAVEL = float(np.deg2rad(1.0))
 """Angle by which the screw turns back before that counts as a reversal [rad]."""
 
+SMALLEST_SPEED = 1e-4
+"""Speed of the motor from which on it turns [rad/s]."""
+
 MOST_REVERSALS = 1000
 """Reversals noted in a window; of more, the newest are."""
 
@@ -58,6 +61,13 @@ class StretchResponse(NamedTuple):
         Samples at which the screw began to move the other way.
     travel : float
         Angle over which the screw moved [rad].
+    turning, turned : ndarray, shape (blocks,)
+        Mean time for which the motor had turned up to the last contact, and the same with forward
+        less backward [s].
+    fast, slow : ndarray, shape (blocks,)
+        Time in each block for which the motor turns fast, and slowly or nearly so [s].
+    contact : ndarray, shape (blocks,)
+        One where the screw moves, else zero.
     """
 
     position: FloatArray
@@ -68,10 +78,36 @@ class StretchResponse(NamedTuple):
     relative_angle: FloatArray
     reversals: list[int]
     travel: float
+    turning: FloatArray
+    turned: FloatArray
+    fast: FloatArray
+    slow: FloatArray
+    contact: FloatArray
+
+
+class SlowMotion(NamedTuple):
+    """When friction that depends on speed is felt.
+
+    Attributes
+    ----------
+    speed : float
+        Speed below which the motor turns slowly [rad/s].
+    standing_voltage : float
+        Voltage from which on a motor that stands still may yet turn [V].
+    """
+
+    speed: float
+    standing_voltage: float
 
 
 def simulate_stretch(
-    step: DiscretePlant, state: PlantState, voltage: FloatArray, gaps: FloatArray, block: int
+    step: DiscretePlant,
+    state: PlantState,
+    voltage: FloatArray,
+    gaps: FloatArray,
+    block: int,
+    sample_time: float,
+    motion: SlowMotion,
 ) -> StretchResponse:
     """Simulate the plant over one stretch of data (eqs 1, 2, 3 and 6).
 
@@ -87,10 +123,14 @@ def simulate_stretch(
         Backlash gap theta_b at the samples [rad], not negative.
     block : int
         Samples in a block.
+    sample_time : float
+        Sample time [s].
+    motion : SlowMotion
+        When the motor turns slowly.
     """
     count = voltage.size // block
     position, relative_angle = np.empty(voltage.size), np.empty(voltage.size)
-    screw, side, motor, sample = np.zeros((4, count))
+    blocks = np.zeros((9, count))
     reversals = np.zeros(MOST_REVERSALS, dtype=np.int64)
     found, travel = compiled_window()(
         step,
@@ -98,18 +138,33 @@ def simulate_stretch(
         voltage,
         gaps,
         block,
+        sample_time,
+        motion.speed,
+        motion.standing_voltage,
         SMALLEST_TRAVEL,
         position,
         relative_angle,
+        blocks,
+        reversals,
+    )
+    screw, side, motor, sample, turning, turned, fast, slow, contact = blocks
+    order = range(max(found - MOST_REVERSALS, 0), found)
+    noted = [int(reversals[n % MOST_REVERSALS]) for n in order]
+    return StretchResponse(
+        position,
         screw,
         side,
         motor,
         sample,
-        reversals,
+        relative_angle,
+        noted,
+        travel,
+        turning,
+        turned,
+        fast,
+        slow,
+        contact,
     )
-    order = range(max(found - MOST_REVERSALS, 0), found)
-    noted = [int(reversals[n % MOST_REVERSALS]) for n in order]
-    return StretchResponse(position, screw, side, motor, sample, relative_angle, noted, travel)
 
 
 def simulate_structure(
@@ -167,8 +222,10 @@ def compiled_window() -> Any:
             given,
             given,
             types.int64,
-            types.float64,
-            *(signal for _ in range(6)),
+            *(types.float64 for _ in range(4)),
+            signal,
+            signal,
+            types.Array(types.float64, 2, "C"),
             types.Array(types.int64, 1, "C"),
         )
 
@@ -201,48 +258,71 @@ def _window_loop(sources: str) -> Any:
         voltage: FloatArray,
         gaps: FloatArray,
         block: int,
+        sample_time: float,
+        slow_speed: float,
+        standing_voltage: float,
         smallest_travel: float,
         position: FloatArray,
         relative_angle: FloatArray,
-        screw: FloatArray,
-        side: FloatArray,
-        motor: FloatArray,
-        sample: FloatArray,
+        blocks: FloatArray,
         reversals: NDArray[np.int64],
     ) -> tuple[int, float]:
         _ = sources
         last_side, last_motor, last_sample = 0.0, state.motor.angle, 0.0
+        turning, turned, last_turning, last_turned = 0.0, 0.0, 0.0, 0.0
         before = state.theta_d
         direction, extreme, turned_at, found, travel = 0.0, before, 0, 0, 0.0
-        share = 1.0 / block
-        for k in range(voltage.size):
-            if k > 0:
-                state = plant_step(state, voltage[k - 1], gaps[k], step)
-            angle = state.theta_d
-            if angle != before:
-                last_side = 1.0 if angle > before else -1.0
-                last_motor, last_sample = state.motor.angle, float(k)
-                travel += abs(angle - before)
-                if direction * (angle - extreme) >= 0.0:
-                    # Of a screw that has not moved yet any motion is the first direction.
-                    if direction == 0.0:
-                        direction = last_side
-                    extreme = angle
-                else:
-                    if before == extreme:
-                        turned_at = k
-                    if direction * (extreme - angle) >= smallest_travel:
-                        reversals[found % reversals.size] = turned_at
-                        found += 1
-                        direction, extreme = -direction, angle
-            before = angle
-            position[k] = state.structure.q3
-            relative_angle[k] = state.motor.angle - angle
-            number = k // block
-            screw[number] += share * angle
-            side[number] += share * last_side
-            motor[number] += share * last_motor
-            sample[number] += share * last_sample
+        share, k = 1.0 / block, -1
+        for number in range(voltage.size // block):
+            angles, sides, motors, samples, turnings, turneds = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            fast, slow, contact = 0.0, 0.0, 0.0
+            for _ in range(block):
+                k += 1
+                if k > 0:
+                    state = plant_step(state, voltage[k - 1], gaps[k], step)
+                speed = state.motor.speed
+                if abs(speed) > slow_speed:
+                    fast += sample_time
+                elif abs(speed) > SMALLEST_SPEED or abs(voltage[k]) > standing_voltage:
+                    slow += sample_time
+                if speed > SMALLEST_SPEED:
+                    turning += sample_time
+                    turned += sample_time
+                elif speed < -SMALLEST_SPEED:
+                    turning += sample_time
+                    turned -= sample_time
+                angle = state.theta_d
+                if angle != before:
+                    last_side = 1.0 if angle > before else -1.0
+                    last_motor, last_sample = state.motor.angle, float(k)
+                    last_turning, last_turned = turning, turned
+                    contact = 1.0
+                    travel += abs(angle - before)
+                    if direction * (angle - extreme) >= 0.0:
+                        # Of a screw that has not moved yet any motion is the first direction.
+                        if direction == 0.0:
+                            direction = last_side
+                        extreme = angle
+                    else:
+                        if before == extreme:
+                            turned_at = k
+                        if direction * (extreme - angle) >= smallest_travel:
+                            reversals[found % reversals.size] = turned_at
+                            found += 1
+                            direction, extreme = -direction, angle
+                    before = angle
+                position[k] = state.structure.q3
+                relative_angle[k] = state.motor.angle - angle
+                angles += angle
+                sides += last_side
+                motors += last_motor
+                samples += last_sample
+                turnings += last_turning
+                turneds += last_turned
+            blocks[0, number], blocks[1, number] = share * angles, share * sides
+            blocks[2, number], blocks[3, number] = share * motors, share * samples
+            blocks[4, number], blocks[5, number] = share * turnings, share * turneds
+            blocks[6, number], blocks[7, number], blocks[8, number] = fast, slow, contact
         return found, travel
 
     return window_loop

@@ -6,6 +6,7 @@ differentiated, so noise on the position does little harm.
 """
 
 import math
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from bdt_twin.block_residual import compiled_means
 from bdt_twin.estimator import Estimate
 from bdt_twin.fixed_order import COMPILED, dot, product, standard_deviation
 from bdt_twin.forward_model import SMALLEST_TRAVEL, compiled_structure, compiled_window
+from bdt_twin.machine_knowledge import MachineKnowledge, first_knowledge
 from bdt_twin.model_factors import FACTORS, check_room
 from bdt_twin.output_error_fit import Fit
 from bdt_twin.output_error_settings import OutputErrorSettings
@@ -107,7 +109,12 @@ class OutputErrorEstimator:
     def restart(self) -> None:
         """Forget everything: another run begins."""
         self._window.restart()
+        self._forget_fits()
+
+    def _forget_fits(self) -> None:
         self.last_fit: AcceptedFit | None = None
+        self._told: deque[tuple[int, MachineKnowledge]] = deque()
+        self._known: tuple[int, MachineKnowledge] | None = None
 
     def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
         """Take the next batch.
@@ -147,7 +154,7 @@ class OutputErrorEstimator:
         finally:
             # The window forgets itself when time goes back.
             if self._window.end is None:
-                self.last_fit = None
+                self._forget_fits()
 
     def _estimate(self, newest: int) -> Estimate:
         """Return the estimate from the window whose last sample has the number `newest`."""
@@ -181,13 +188,23 @@ class OutputErrorEstimator:
 
     def _fit(self, window: WindowModel) -> Fit:
         """Fit a window, beginning with the last fit if it still describes the data."""
-        predicted, noise = None, math.inf
+        predicted, error, levels = None, math.inf, None
         if self.last_fit is not None:
-            predicted, noise = (
-                self._predict_unknowns(window, self.last_fit),
-                self.last_fit.fit.noise,
-            )
-        return fit_window(window, self._settings.growth_change, predicted, noise)
+            predicted = self._predict_unknowns(window, self.last_fit)
+            error, levels = self.last_fit.fit.prediction_error, self.last_fit.fit.levels
+        return fit_window(
+            window, self._settings.growth_change, self._machine(window), predicted, error, levels
+        )
+
+    def _machine(self, window: WindowModel) -> MachineKnowledge:
+        """Return what windows that do not overlap with this one have told about the machine."""
+        begins = window.stretches[0].first
+        while self._told and self._told[0][0] < begins:
+            self._known = self._told.popleft()
+        if self._known is None:
+            return first_knowledge(self._model.motor)
+        ended, told = self._known
+        return told.aged((begins - ended) / self._rate)
 
     def _predict_unknowns(self, window: WindowModel, last: AcceptedFit) -> Unknowns:
         """Return the unknowns that the last fit predicts for a window."""
@@ -203,7 +220,9 @@ class OutputErrorEstimator:
                 sample = stretch.first - old.first
                 if 0 <= sample < run.relative_angle.size and half > 0.0:
                     beginning[0] = min(max(run.relative_angle[sample] / half, -1.0), 1.0)
-        return Unknowns(gaps, fit.unknowns.factors, initial_conditions)
+        return Unknowns(
+            gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects
+        )
 
     def _validate(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
         """Return what a fit teaches, or the last estimate with the reason why it does not."""
@@ -215,10 +234,10 @@ class OutputErrorEstimator:
             return self._hold_estimate(time, "the lead screw does not move")
         if not reversals:
             return self._hold_estimate(time, "the lead screw does not reverse")
-        if fit.noise > MISFIT * motion:
+        if fit.prediction_error > MISFIT * motion:
             return self._hold_estimate(
                 time,
-                f"the model does not explain {1e6 * fit.noise:.3g} um "
+                f"the model does not explain {1e6 * fit.residual:.3g} um "
                 f"of a motion of {1e6 * motion:.3g} um",
             )
         # Telemetry may be stamped anywhere between two multiples of the sample time.
@@ -242,6 +261,7 @@ class OutputErrorEstimator:
             age=time - stamp,
         )
         self.last_fit = AcceptedFit(window, fit, estimate)
+        self._told.append((newest, fit.machine))
         return estimate
 
     def _hold_estimate(self, time: float, reason: str) -> Estimate:
@@ -269,8 +289,10 @@ def _gap_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
     knot = int(np.searchsorted(knots, at, side="right")) - 1
     changes = np.abs(np.diff(gaps, 2))[max(knot - 2, 0) : knot + 1]
     bend = float(changes.max(initial=0.0)) / 8
-    variance = dot(weights, product(fit.covariance, weights))
-    return dot(weights, gaps), math.sqrt(variance + bend * bend)
+    variance = dot(weights, product(fit.gap_covariance, weights))
+    # What the next step would change is not known yet.
+    pending = dot(weights, fit.pending[: gaps.size])
+    return dot(weights, gaps), math.sqrt(variance + bend * bend + pending * pending)
 
 
 def _growth_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
@@ -280,5 +302,5 @@ def _growth_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
     after = max(at, before + spacing)
     earlier, later = window.weights(np.array([before, after])).T
     weights = (later - earlier) / (after - before)
-    uncertainty = math.sqrt(dot(weights, product(fit.covariance, weights)))
+    uncertainty = math.sqrt(dot(weights, product(fit.gap_covariance, weights)))
     return dot(weights, fit.unknowns.gaps), uncertainty

@@ -12,30 +12,36 @@ from bdt_twin.block_residual import BlockResidual, variance_inflation
 from bdt_twin.cramer_rao import fisher_information
 from bdt_twin.fixed_order import dot, mean, product, solution, total, weighted_products
 from bdt_twin.forward_model import StretchResponse
-from bdt_twin.model_factors import FACTORS
+from bdt_twin.innovations import (
+    FROM_MAD,
+    HUBER,
+    SMALLEST_NOISE,
+    FittedLevels,
+    NoiseLevels,
+    Whitening,
+    fitted_levels,
+    robust_deviation,
+)
+from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.window_model import INITIAL_CONDITION, Unknowns, WindowModel
 
 FloatArray = NDArray[np.float64]
 
-SMALLEST_NOISE = 1e-11
-"""Standard deviation of a block's mean below which nothing is taken for noise [m]."""
-FROM_MAD = 1.4826
-"""Standard deviation of normal noise over its median absolute deviation."""
-HUBER = 3.0
-"""Standard deviations beyond which the residual of a block counts linearly."""
+PUSHED = 6.0
+"""Standard deviations of an innovation beyond which something pushed a platform."""
 
 GAP_SPREAD = 10.0
 """Prior standard deviation of the gap [rad]: none, but a knot without data stays finite."""
 GROWTH_SPREAD = math.radians(10.0)
 """Prior standard deviation of the mean growth rate [rad/s]."""
-FACTOR_SPREAD = (0.3, 0.2, 0.7)
-"""Prior standard deviations of the logarithms of ``FACTORS``."""
 SHARE_SPREAD = 1.0
 """Prior standard deviation of where in the gap the motor begins."""
 
 CHANGE_FREEDOM = 2.0
 """Degrees of freedom of Student's distribution, of which growth changes are: few are large."""
 
+MOST_LEVELS = 10
+"""Levels of noise to try at a step."""
 HALVINGS = 3
 """Halvings of a step that makes the fit worse, before the fit ends."""
 SMALLEST_GAIN = 0.02
@@ -52,19 +58,49 @@ class Fit:
         Where the fit ended.
     responses : list of StretchResponse
         The simulation there.
-    noise : float
+    residual : float
         Standard deviation of the residual's block means, without outliers [m].
-    covariance : ndarray, shape (knots, knots)
-        Covariance of the gap at the knots [rad^2].
+    prediction_error : float
+        Geometric mean of the standard deviations of the innovations [m].
+    levels : NoiseLevels
+        What of the residual is noise of the reading, and what of the machine.
+    covariance : ndarray, shape (unknowns, unknowns)
+        Covariance of the unknowns.
+    pending : ndarray, shape (unknowns,)
+        The step that the fit did not make, because it was at its end, or because no part of it
+        made the fit better.
     simulations : int
         Simulations made.
+    innovations : ndarray, shape (blocks,)
+        Innovations over their standard deviations.
+    pushed : ndarray, shape (blocks,)
+        One where something pushed a platform, else zero.
     """
 
     unknowns: Unknowns
     responses: list[StretchResponse]
-    noise: float
+    residual: float
+    prediction_error: float
+    levels: NoiseLevels
     covariance: FloatArray
+    pending: FloatArray
     simulations: int
+    innovations: FloatArray
+    pushed: FloatArray
+
+    @property
+    def gap_covariance(self) -> FloatArray:
+        """Covariance of the gap at the knots [rad^2], shape (knots, knots)."""
+        knots = self.unknowns.gaps.size
+        return self.covariance[:knots, :knots]
+
+    @property
+    def machine(self) -> MachineKnowledge:
+        """What the window has told about the machine."""
+        known = np.concatenate([self.unknowns.factors, self.unknowns.effects])
+        first = self.unknowns.gaps.size
+        last = first + known.size
+        return MachineKnowledge(known, self.covariance[first:last, first:last])
 
 
 class _Point(NamedTuple):
@@ -89,13 +125,19 @@ class WindowFit:
         Model and data.
     growth_change : float
         Scale of the growth rate's change in one second [rad/s^1.5].
+    machine : MachineKnowledge
+        What is known of the machine before.
     """
 
-    def __init__(self, window: WindowModel, growth_change: float) -> None:
+    def __init__(
+        self, window: WindowModel, growth_change: float, machine: MachineKnowledge
+    ) -> None:
         self._window = window
         positions = [stretch.position for stretch in window.stretches]
         self._residual = BlockResidual(positions, window.block)
-        self._prior = _prior(window.knots, len(positions))
+        self._prior = _prior(window.knots, len(positions), machine)
+        self._expected = np.zeros(len(self._prior))
+        self._expected[window.knots.size :][: machine.expected.size] = machine.expected
         count, spacing = window.knots.size, float(window.knots[1] - window.knots[0])
         # Changes of growth at the knots, in multiples of their scale.
         scale = growth_change * spacing * math.sqrt(spacing)
@@ -107,6 +149,7 @@ class WindowFit:
         steps: int,
         simulations: int,
         *,
+        levels: NoiseLevels | None = None,
         patience: int = 0,
         enough: float = math.inf,
     ) -> Fit:
@@ -118,28 +161,38 @@ class WindowFit:
             Where to begin.
         steps, simulations : int
             Largest numbers of steps, and of simulations: halving a step costs one, too.
+        levels : NoiseLevels, optional
+            Noise of the machine to begin with; None for a fit that is to be near, no more, for
+            which all that is not explained is noise of the reading.
         patience : int
-            Simulations after which the fit ends if its noise is larger than `enough`.
+            Simulations after which the fit ends if its prediction error is larger than `enough`.
         enough : float
-            Standard deviation of the residual's block means [m].
+            Prediction error [m].
         """
         point, simulated = self._at(unknowns), 1
         for number in range(1, steps + 1):
             if simulated >= simulations:
                 break
-            if simulated >= patience and _deviation(point.residual) > enough:
-                break
             settled = _noise(point.residual)
             # A model that is still wrong is wrong in the transients only, which are not outliers.
             rms = math.sqrt(mean(np.square(point.residual)))
             noise = max(settled, rms / 2**number)
-            step = self._step(point, noise)
+            if levels is None:
+                whitening = self._whitening(point, NoiseLevels(noise))
+            else:
+                levels, error = self._levels(point, levels, MOST_LEVELS if number % 2 else 1)
+                if simulated >= patience and error > enough:
+                    break
+                noise = settled
+                whitening = self._whitening(point, levels, PUSHED)
+            step = self._step(point, whitening)
             vector = point.unknowns.as_vector()
-            before, after = self._cost(point, noise), math.inf
+            before, after = self._cost(point, whitening), math.inf
             for _ in range(min(1 + HALVINGS, simulations - simulated)):
-                trial = self._at(point.unknowns.from_vector(vector + step))
+                unknowns = point.unknowns.from_vector(vector + step)
+                trial = self._at(unknowns)
                 simulated += 1
-                after = self._cost(trial, noise)
+                after = self._cost(trial, whitening)
                 if after <= before:
                     break
                 step = 0.5 * step
@@ -148,65 +201,110 @@ class WindowFit:
             point = trial
             if noise < 1.2 * settled and before - after < SMALLEST_GAIN + 1e-4 * before:
                 break
-        return self._result(point, simulated)
+        return self._result(point, simulated, levels)
 
     def _at(self, unknowns: Unknowns) -> _Point:
         responses = self._window.simulate(unknowns)
-        return _Point(
-            unknowns, responses, self._residual.means([run.position for run in responses])
+        residual = self._residual.means([run.position for run in responses])
+        return _Point(unknowns, responses, residual)
+
+    def _whitening(
+        self,
+        point: _Point,
+        levels: NoiseLevels,
+        threshold: float = math.inf,
+    ) -> Whitening:
+        return Whitening(
+            self._window.block_step(point.unknowns),
+            1.0 / self._window.block_rate,
+            self._window.motions(point.responses),
+            levels,
+            point.residual,
+            threshold,
         )
 
-    def _step(self, point: _Point, noise: float) -> FloatArray:
-        jacobian = self._window.jacobian(point.unknowns, point.responses)
-        weights = self._weights(point.residual, noise) / (noise * noise)
-        pull = product(jacobian, weights * point.residual)
-        prior = self._prior_at(point.unknowns)
-        information = fisher_information(jacobian, weights) + prior
-        scale = 1.0 / np.sqrt(np.diag(information))
-        scaled = information * np.outer(scale, scale) + 1e-12 * np.eye(scale.size)
-        gradient = pull - product(prior, point.unknowns.as_vector())
-        return scale * solution(scaled, (scale * gradient)[:, None])[:, 0]
+    def _levels(self, point: _Point, levels: NoiseLevels, most: int) -> FittedLevels:
+        return fitted_levels(
+            lambda tried: self._whitening(point, tried, PUSHED), point.residual, levels, most
+        )
 
-    def _weights(self, residual: FloatArray, noise: float) -> FloatArray:
-        """Return the weights of the blocks that make squares out of Huber's loss."""
-        bounded = np.maximum(np.abs(residual), HUBER * noise)
-        weights: FloatArray = HUBER * noise / bounded
-        return weights
+    def _step(self, point: _Point, whitening: Whitening) -> FloatArray:
+        jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))
+        innovations = whitening.apply(point.residual[None, :])[0]
+        weights = huber_weights(innovations)
+        information = fisher_information(jacobian, weights) + self._prior_at(point.unknowns)
+        return _solved(information, self._gradient(point, jacobian, weights * innovations))
 
-    def _cost(self, point: _Point, noise: float) -> float:
+    def _gradient(
+        self, point: _Point, jacobian: FloatArray, innovations: FloatArray
+    ) -> FloatArray:
+        """Return the slope of the log-likelihood with respect to the unknowns."""
+        off = point.unknowns.as_vector() - self._expected
+        gradient: FloatArray = product(jacobian, innovations)
+        return gradient - product(self._prior_at(point.unknowns), off)
+
+    def _cost(self, point: _Point, whitening: Whitening) -> float:
         """Return the negative log-likelihood of unknowns and data, but for a constant."""
-        size = np.abs(point.residual) / noise
+        size = np.abs(whitening.apply(point.residual[None, :])[0])
         loss = np.where(size <= HUBER, 0.5 * np.square(size), HUBER * (size - 0.5 * HUBER))
-        vector = point.unknowns.as_vector()
+        vector = point.unknowns.as_vector() - self._expected
         changes = product(self._changes, point.unknowns.gaps)
         rare = 0.5 * (CHANGE_FREEDOM + 1.0) * logarithm(1.0 + np.square(changes) / CHANGE_FREEDOM)
         return total(loss) + total(rare) + 0.5 * dot(vector, product(self._prior, vector))
 
     def _prior_at(self, unknowns: Unknowns) -> FloatArray:
-        """Return the inverse covariance of the unknowns before any data; their means are zero."""
+        """Return the inverse covariance of the unknowns before any data."""
         changes, count = product(self._changes, unknowns.gaps), unknowns.gaps.size
         weights = (CHANGE_FREEDOM + 1.0) / (CHANGE_FREEDOM + np.square(changes))
         prior = self._prior.copy()
         prior[:count, :count] += weighted_products(self._changes.T, weights)
         return prior
 
-    def _result(self, point: _Point, simulations: int) -> Fit:
-        noise, deviation = _noise(point.residual), _deviation(point.residual)
-        bounded = np.clip(point.residual, -HUBER * noise, HUBER * noise)
-        jacobian = self._window.jacobian(point.unknowns, point.responses)
-        weights = self._weights(point.residual, noise) / (deviation * deviation)
-        # A residual that is not white says less than its samples are many.
-        weights /= variance_inflation(bounded, self._window.block_rate)
+    def _result(self, point: _Point, simulations: int, levels: NoiseLevels | None) -> Fit:
+        deviation = _deviation(point.residual)
+        if levels is None:
+            levels, error = NoiseLevels(deviation), deviation
+            whitening = self._whitening(point, levels)
+        else:
+            levels, error = self._levels(point, levels, MOST_LEVELS)
+            whitening = self._whitening(point, levels, PUSHED)
+        innovations = whitening.apply(point.residual[None, :])[0]
+        jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))
+        weights = huber_weights(innovations)
+        # What is left in the innovations that is not white says less than its samples are many.
+        bounded = np.clip(innovations, -HUBER, HUBER)
+        weights /= variance_inflation(bounded, self._window.block_rate) * max(
+            1.0, mean(np.square(bounded))
+        )
         information = fisher_information(jacobian, weights) + self._prior_at(point.unknowns)
         covariance = solution(information, np.eye(len(information)))
-        knots = self._window.knots.size
+        pending = _solved(information, self._gradient(point, jacobian, weights * innovations))
         return Fit(
             point.unknowns,
             point.responses,
             deviation,
-            covariance[:knots, :knots],
+            error,
+            levels,
+            covariance,
+            pending,
             simulations,
+            innovations,
+            whitening.pushed,
         )
+
+
+def _solved(information: FloatArray, gradient: FloatArray) -> FloatArray:
+    """Return the step to where the gradient vanishes."""
+    scale = 1.0 / np.sqrt(np.diag(information))
+    scaled = information * np.outer(scale, scale) + 1e-12 * np.eye(scale.size)
+    step: FloatArray = scale * solution(scaled, (scale * gradient)[:, None])[:, 0]
+    return step
+
+
+def huber_weights(innovations: FloatArray) -> FloatArray:
+    """Return the weights that make squares out of Huber's loss."""
+    weights: FloatArray = HUBER / np.maximum(np.abs(innovations), HUBER)
+    return weights
 
 
 def _noise(residual: FloatArray) -> float:
@@ -216,21 +314,20 @@ def _noise(residual: FloatArray) -> float:
 
 def _deviation(residual: FloatArray) -> float:
     """Return the standard deviation of a residual whose outliers are brought back [m]."""
-    most = HUBER * _noise(residual)
-    return max(SMALLEST_NOISE, math.sqrt(mean(np.square(np.clip(residual, -most, most)))))
+    return max(SMALLEST_NOISE, robust_deviation(residual))
 
 
-def _prior(knots: FloatArray, stretches: int) -> FloatArray:
+def _prior(knots: FloatArray, stretches: int, machine: MachineKnowledge) -> FloatArray:
     """Return the inverse covariance of the unknowns but for the changes of growth."""
     count, spacing = knots.size, float(knots[1] - knots[0])
     growth = np.diff(np.eye(count), axis=0) / spacing
-    size = count + len(FACTORS) + len(INITIAL_CONDITION) * stretches
+    first = count + machine.expected.size
+    size = first + len(INITIAL_CONDITION) * stretches
     prior = np.zeros((size, size))
     prior[:count, :count] = np.eye(count) / (GAP_SPREAD * GAP_SPREAD)
     spread = np.full(count - 1, 1.0 / (GROWTH_SPREAD * GROWTH_SPREAD * (count - 1)))
     prior[:count, :count] += weighted_products(growth.T, spread)
-    factors = np.arange(count, count + len(FACTORS))
-    prior[factors, factors] = 1.0 / np.square(FACTOR_SPREAD)
-    shares = np.arange(count + len(FACTORS), size, len(INITIAL_CONDITION))
+    prior[count:first, count:first] = machine.precision()
+    shares = np.arange(first, size, len(INITIAL_CONDITION))
     prior[shares, shares] = 1.0 / (SHARE_SPREAD * SHARE_SPREAD)
     return prior

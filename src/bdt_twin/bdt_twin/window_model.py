@@ -1,5 +1,6 @@
 """Position over a window as a function of what is unknown about the mechanism, and its Jacobian."""
 
+import math
 from dataclasses import dataclass
 from functools import reduce
 from typing import NamedTuple
@@ -12,11 +13,14 @@ from bdt_plant.plant import PlantModel
 from bdt_plant.structure import DiscreteStructure, StructureState
 from bdt_twin.fixed_order import dot, product
 from bdt_twin.forward_model import (
+    SlowMotion,
     StretchResponse,
     initial_state,
     simulate_stretch,
     simulate_structure,
 )
+from bdt_twin.innovations import Motion
+from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS
 from bdt_twin.model_factors import (
     FACTORS,
     block_model_with,
@@ -28,6 +32,12 @@ FloatArray = NDArray[np.float64]
 INITIAL_CONDITION = ("share", "offset", "q2", "q2_velocity", "q3", "q3_velocity")
 """Unknowns at the beginning of a stretch; see :class:`Unknowns`."""
 
+
+SLOW_VOLTAGE = 0.5
+"""Voltage for which the motor turns slowly [V]: friction that depends on speed is felt there."""
+
+STANDING_SHARE = 0.3
+"""Share of the friction's voltage with which a motor that stands still may yet turn."""
 
 FACTOR_CHANGE = 1e-3
 """Change of a factor's logarithm from which the slope of the position is taken."""
@@ -63,25 +73,37 @@ class Unknowns:
         ``INITIAL_CONDITION`` of each stretch: where in the gap the motor is, from -1 to 1 (ends at
         which it drives the screw backward and forward), the position of the lead screw's end [m],
         and the structure's positions [m] relative to it and velocities [m/s].
+    effects : ndarray, shape (4,)
+        ``machine_knowledge.EFFECTS``.
     """
 
     gaps: FloatArray
     factors: FloatArray
     initial_conditions: FloatArray
+    effects: FloatArray
 
     def as_vector(self) -> FloatArray:
         """Return all of them in one array."""
-        return np.concatenate([self.gaps, self.factors, self.initial_conditions.ravel()])
+        parts = (self.gaps, self.factors, self.effects, self.initial_conditions.ravel())
+        return np.concatenate(parts)
 
     def from_vector(self, vector: FloatArray) -> "Unknowns":
         """Return the unknowns of a vector, brought back to where they have a meaning."""
-        knots = self.gaps.size
-        initial_conditions = (
-            vector[knots + len(FACTORS) :].reshape(self.initial_conditions.shape).copy()
-        )
+        ends = np.cumsum([self.gaps.size, len(FACTORS), len(EFFECTS)])
+        gaps, factors, effects, rest = np.split(vector, ends)
+        initial_conditions = rest.reshape(self.initial_conditions.shape).copy()
         np.clip(initial_conditions[:, 0], -1.0, 1.0, out=initial_conditions[:, 0])
-        factors = np.clip(vector[knots : knots + len(FACTORS)], -1.0, 1.0)
-        return Unknowns(np.maximum(vector[:knots], 0.0), factors, initial_conditions)
+        return Unknowns(
+            np.maximum(gaps, 0.0),
+            np.clip(factors, -1.0, 1.0),
+            initial_conditions,
+            np.clip(effects, *EFFECT_LIMITS),
+        )
+
+
+def driving_voltage(voltage: float, friction: float) -> float:
+    """Return what of a voltage [V] is left beside the friction's."""
+    return math.copysign(max(abs(voltage) - friction, 0.0), voltage)
 
 
 class WindowModel:
@@ -139,10 +161,14 @@ class WindowModel:
 
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
         """Simulate each stretch."""
+        friction, offset, delay, drift = unknowns.effects.tolist()
         step = plant_step_with(self._model, unknowns.factors, 1.0 / self._rate)
+        current = friction / self._model.motor.resistance
+        step = step._replace(friction=step.friction._replace(current=current))
         gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
         changes, responses = np.diff(unknowns.gaps), []
+        slow = SlowMotion(SLOW_VOLTAGE / back_emf, STANDING_SHARE * friction)
         for stretch, (knots, shares), beginning in zip(
             self.stretches, self._places, unknowns.initial_conditions, strict=True
         ):
@@ -150,12 +176,28 @@ class WindowModel:
             state = initial_state(
                 StructureState(*beginning[2:].tolist()),
                 0.5 * float(beginning[0]) * float(gaps[0]),
-                float(stretch.voltage[0]),
+                driving_voltage(float(stretch.voltage[0]) + offset, friction),
                 back_emf,
             )
-            run = simulate_stretch(step, state, stretch.voltage, gaps, self.block)
-            responses.append(run._replace(position=run.position + beginning[1]))
+            run = simulate_stretch(
+                step,
+                state,
+                stretch.voltage + offset,
+                gaps,
+                self.block,
+                1.0 / self._rate,
+                slow,
+            )
+            times = np.arange(stretch.voltage.size) / self._rate
+            reading = run.position + beginning[1] + drift * times
+            reading -= delay * self._slope(run.position)
+            responses.append(run._replace(position=reading))
         return responses
+
+    def _slope(self, position: FloatArray) -> FloatArray:
+        """Return the velocity [m/s] of a position at its samples."""
+        slope: FloatArray = np.gradient(position) * self._rate
+        return slope
 
     def jacobian(self, unknowns: Unknowns, responses: list[StretchResponse]) -> FloatArray:
         """Return the Jacobian of the block means of the position, shape (unknowns, blocks).
@@ -169,10 +211,36 @@ class WindowModel:
         for number, (run, blocks) in enumerate(zip(responses, self._blocks, strict=True)):
             columns = slice(start, start + blocks)
             start += blocks
-            first = knots + len(FACTORS) + len(INITIAL_CONDITION) * number
+            first = knots + len(FACTORS) + len(EFFECTS) + len(INITIAL_CONDITION) * number
             self._add_play(jacobian[:, columns], first, number, unknowns, run)
             self._add_structure(jacobian[:, columns], first, number, unknowns, run)
+            effects = knots + len(FACTORS)
+            self._add_effects(jacobian[effects : effects + len(EFFECTS), columns], unknowns, run)
         return jacobian
+
+    def _add_effects(
+        self, jacobian: FloatArray, unknowns: Unknowns, run: StretchResponse
+    ) -> None:
+        """Add the rows of the machine's effects."""
+        _, step = self._by_blocks(unknowns.factors)
+        gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
+        # The motor settles within milliseconds, so it turns as fast as the voltage tells.
+        per_volt = self._model.lead_screw.pitch * gain / self._model.motor.back_emf_constant
+        at_rest, moved = StructureState(0.0, 0.0, 0.0, 0.0), np.abs(run.side)
+        jacobian[0] = simulate_structure(step, at_rest, -per_volt * run.turned * moved)
+        jacobian[1] = simulate_structure(step, at_rest, per_volt * run.turning * moved)
+        # The readings' own slope differs from the position's by what delay and drift add.
+        slope = self._slope(run.position) - unknowns.effects[EFFECTS.index("drift")]
+        jacobian[2] = -slope.reshape(-1, self.block).mean(axis=1)
+        jacobian[3] = (np.arange(run.side.size) + 0.5 - 0.5 / self.block) / self.block_rate
+
+    def motions(self, responses: list[StretchResponse]) -> list[Motion]:
+        """Return what the noise of the window depends on, for a simulation of it."""
+        return [Motion(run.fast, run.slow, run.contact) for run in responses]
+
+    def block_step(self, unknowns: Unknowns) -> DiscreteStructure:
+        """Return the structure's model from block to block."""
+        return self._by_blocks(unknowns.factors)[1]
 
     def _add_play(
         self,

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_twin.fixed_order import standard_deviation
+from bdt_twin.innovations import NoiseLevels
+from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error_fit import Fit, WindowFit
 from bdt_twin.window_model import INITIAL_CONDITION, Unknowns, WindowModel
@@ -42,7 +44,12 @@ def initial_conditions_at_rest(window: WindowModel) -> FloatArray:
 
 
 def fit_window(
-    window: WindowModel, growth_change: float, predicted: Unknowns | None, noise: float
+    window: WindowModel,
+    growth_change: float,
+    machine: MachineKnowledge,
+    predicted: Unknowns | None,
+    error: float,
+    levels: NoiseLevels | None = None,
 ) -> Fit:
     """Fit a window, beginning with a prediction if that describes the data.
 
@@ -56,36 +63,51 @@ def fit_window(
         Model and data.
     growth_change : float
         Scale of the growth rate's change in one second [rad/s^1.5].
+    machine : MachineKnowledge
+        What is known of the machine before.
     predicted : Unknowns or None
         What the fit of the window before predicts.
-    noise : float
-        Standard deviation of the residual's block means in that fit [m].
+    error : float
+        Prediction error of that fit [m].
+    levels : NoiseLevels or None
+        Levels of noise of that fit.
     """
-    problem = WindowFit(window, growth_change)
+    problem = WindowFit(window, growth_change, machine)
     samples = sum(stretch.voltage.size for stretch in window.stretches)
     simulations = max(MOST_SAMPLES // samples, FEWEST_SIMULATIONS)
     if predicted is None:
-        return problem.solve(_multi_start(window, growth_change), FINE, simulations)
+        near = problem.solve(_multi_start(window, growth_change, machine), ROUGH, simulations)
+        return problem.solve(near.unknowns, FINE, simulations, levels=near.levels)
     motion = max(standard_deviation(stretch.position) for stretch in window.stretches)
-    enough = max(WORSE * noise, EXPLAINED * motion)
+    enough = max(WORSE * error, EXPLAINED * motion)
     followed = problem.solve(
-        predicted, FINE, simulations, patience=PREDICTION_SIMULATIONS, enough=enough
+        predicted,
+        FINE,
+        simulations,
+        levels=levels,
+        patience=PREDICTION_SIMULATIONS,
+        enough=enough,
     )
-    if followed.noise <= enough:
+    if followed.prediction_error <= enough:
         return followed
-    fit = problem.solve(_multi_start(window, growth_change), FINE, FEWEST_SIMULATIONS)
-    return min(followed, fit, key=lambda each: each.noise)
+    near = problem.solve(_multi_start(window, growth_change, machine), ROUGH, FEWEST_SIMULATIONS)
+    fit = problem.solve(near.unknowns, FINE, FEWEST_SIMULATIONS, levels=near.levels)
+    return min(followed, fit, key=lambda each: each.prediction_error)
 
 
-def _multi_start(window: WindowModel, growth_change: float) -> Unknowns:
+def _multi_start(
+    window: WindowModel, growth_change: float, machine: MachineKnowledge
+) -> Unknowns:
     """Return what fits a coarse copy of the window best, of what is found from each first gap."""
-    problem = WindowFit(window.coarse(COARSE_RATE, COARSE_BLOCK_RATE), growth_change)
+    coarse = window.coarse(COARSE_RATE, COARSE_BLOCK_RATE)
+    problem = WindowFit(coarse, growth_change, machine)
+    factors, effects = np.split(machine.expected, [len(FACTORS)])
     fits: list[Fit] = []
     for gap in FIRST_GAPS:
         gaps = np.full(window.knots.size, math.radians(gap))
-        first = Unknowns(gaps, np.zeros(len(FACTORS)), initial_conditions_at_rest(window))
+        first = Unknowns(gaps, factors, initial_conditions_at_rest(window), effects)
         fits.append(problem.solve(first, ROUGH, 2 * ROUGH))
-        least = min(fit.noise for fit in fits)
-        if sum(fit.noise < AGREED * least for fit in fits) > 1:
+        least = min(fit.residual for fit in fits)
+        if sum(fit.residual < AGREED * least for fit in fits) > 1:
             break
-    return min(fits, key=lambda fit: fit.noise).unknowns
+    return min(fits, key=lambda fit: fit.residual).unknowns

@@ -1,0 +1,70 @@
+"""What is known of a machine's constants before a window is looked at.
+
+Windows overlap, so what the last one has told is no independent knowledge. What a window has told
+that ended before this one begins is: it may have become a little wrong since, and counts as that.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_plant.motor import MotorParameters
+from bdt_twin.fixed_order import solution
+from bdt_twin.model_factors import FACTORS
+
+FloatArray = NDArray[np.float64]
+
+EFFECTS = ("friction_voltage", "voltage_offset", "delay", "drift")
+"""What a machine has that the paper's mechanism has not: Coulomb friction as the voltage that it
+takes [V], the voltage that the amplifier adds [V], the age of a reading [s], and the drift of the
+readings [m/s]."""
+
+EFFECT_LIMITS = np.array([[0.0, -10.0, -0.1, -1.0], [100.0, 10.0, 0.1, 1.0]])
+"""Smallest and largest values of ``EFFECTS``."""
+
+FACTOR_SPREAD = (0.3, 0.2, 0.7)
+"""Standard deviations of the logarithms of ``FACTORS`` of a machine that nobody has looked at."""
+EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6)
+"""Standard deviations of its ``EFFECTS``."""
+
+FACTOR_CHANGE_RATE = (5e-4, 5e-4, 5e-3)
+"""Random walk of the logarithms of ``FACTORS`` [1/s^0.5]."""
+EFFECT_CHANGE_RATE = (5e-4, 5e-4, 5e-6, 1e-7)
+"""Random walk of ``EFFECTS`` [V/s^0.5, V/s^0.5, s/s^0.5, m/s^1.5]."""
+DOUBT = 2.0
+"""Factor by which what a window has told is less sure than it has said."""
+
+
+class MachineKnowledge(NamedTuple):
+    """Knowledge of ``FACTORS`` (their logarithms) and ``EFFECTS``, in this order.
+
+    Attributes
+    ----------
+    expected : ndarray, shape (7,)
+        Expected values.
+    covariance : ndarray, shape (7, 7)
+        Their covariance.
+    """
+
+    expected: FloatArray
+    covariance: FloatArray
+
+    def precision(self) -> FloatArray:
+        """Return the inverse covariance, shape (7, 7)."""
+        scale = 1.0 / np.sqrt(np.diag(self.covariance))
+        scaled = self.covariance * np.outer(scale, scale)
+        return solution(scaled, np.eye(scale.size)) * np.outer(scale, scale)
+
+    def aged(self, time: float) -> "MachineKnowledge":
+        """Return what is left of the knowledge some time [s] later."""
+        change = np.square((*FACTOR_CHANGE_RATE, *EFFECT_CHANGE_RATE)) * max(time, 0.0)
+        return self._replace(covariance=DOUBT * DOUBT * self.covariance + np.diag(change))
+
+
+def first_knowledge(motor: MotorParameters) -> MachineKnowledge:
+    """Return what is known of a machine from its model alone."""
+    friction = motor.coulomb_friction / motor.torque_constant * motor.resistance
+    expected = np.zeros(len(FACTORS) + len(EFFECTS))
+    expected[len(FACTORS)] = friction
+    return MachineKnowledge(expected, np.diag(np.square((*FACTOR_SPREAD, *EFFECT_SPREAD))))
