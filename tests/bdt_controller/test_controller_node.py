@@ -13,6 +13,7 @@ from sensor_msgs.msg import JointState
 from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.controller_node import ControllerNode
 from bdt_controller.pid import PidGains
+from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import read_position, read_voltage
@@ -21,6 +22,7 @@ from bdt_msgs_py.topics import CLOCK, COMMAND, MEASUREMENT, PLATFORM_JOINT, REFE
 from bdt_msgs_py.writing import motor_voltage, platform_position, stamp_from_nanoseconds
 
 PERIOD = 2_000_000
+SETTINGS = ControllerSettings()
 
 
 class Bench:
@@ -347,6 +349,17 @@ def test_the_voltage_offset_is_in_every_command_also_before_the_reference_comes(
     assert bench.measure(PERIOD, 1e-3)[1] == 0.01
 
 
+def test_the_motions_of_commissioning_are_those_of_the_core(ros):
+    parameters = {"kind": "commissioning", "first": 1e-3, "largest_speed": 0.01}
+    bench = Bench(ros, use_sim_time=True, **{f"reference__{k}": v for k, v in parameters.items()})
+    profile, core = ReferenceProfile(**parameters), DeadZoneController(PidGains(), SETTINGS)
+    for step in range(995, 1060):
+        r = reference_at(profile, step * PERIOD * 1e-9)
+        assert bench.measure(step * PERIOD, 0.0)[1] == core.step(r, 0.0)
+    ros.spin_until(lambda: bench.references[-1] == (1050 * PERIOD, 1e-3))
+    assert len({position for _, position in bench.references}) == 51
+
+
 def test_gains_can_be_set_while_the_controller_runs(ros):
     bench = Bench(ros)
     assert bench.set("pid.proportional", 0.0).successful
@@ -389,7 +402,7 @@ def test_a_parameter_that_is_not_allowed_is_refused_with_a_reason(ros, name, val
         ({"dead_zone_tolerance": 1}, "dead_zone_tolerance = 1: must be a number like 1.0"),
         ({"pid__integral": "big"}, "pid.integral = 'big': must be a number"),
         ({"pid__integrall": 1.0}, "pid.integrall = 1.0: is not a parameter of /controller"),
-        ({"reference__kind": "sine"}, "must be one of square, table, topic"),
+        ({"reference__kind": "sine"}, "must be one of square, table, commissioning, topic"),
         (
             {"reference__kind": "table", "reference__table_times": [0.0, 0.0]},
             "table_positions has 1 values: must have as many as table_times",
