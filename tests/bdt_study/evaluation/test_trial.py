@@ -63,7 +63,7 @@ def judged(dead_zones, duration=24.0):
     tolerances = np.asarray(dead_zones(np.arange(scenario.control_steps) / 500.0))
     loop = simulate(replace(scenario, dead_zone=tolerances))
     assert isinstance(loop, Trajectory)
-    return evaluate_loop(scenario, TwinTrajectory(loop, tolerances, ()))
+    return evaluate_loop(scenario, TwinTrajectory(loop, tolerances, (), np.zeros_like(tolerances)))
 
 
 def test_a_loop_that_never_gets_a_dead_zone_is_judged_whole():

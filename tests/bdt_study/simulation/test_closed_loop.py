@@ -56,6 +56,7 @@ LABORATORY = Scenario(
     sensor=SensorParameters(1e-6, 1e-7, 1e-3, 0.1, 3),
     actuator=ActuatorParameters(saturation=True, voltage_limit=8.0),
     voltage_limit=9.0,
+    voltage_offset=0.03,
 )
 """Every imperfection that there is, and a controller that believes in a stronger amplifier."""
 
@@ -72,7 +73,8 @@ def python_loop(scenario, dead_zones):
     controller = DeadZoneController(scenario.gains, ControllerSettings(control_rate=rate))
     rows = []
     for tolerance in dead_zones:
-        controller.configure(scenario.gains, ControllerSettings(rate, float(tolerance), limit))
+        settings = ControllerSettings(rate, float(tolerance), limit, scenario.voltage_offset)
+        controller.configure(scenario.gains, settings)
         r = reference_at(scenario.reference, plant.time)
         t, theta_m, theta_d, _, *q = plant.truth()
         motor = plant.state.motor
@@ -111,6 +113,16 @@ def test_an_imperfect_loop_is_that_of_the_python_loop_bit_for_bit(control_rate):
         assert_same_bits(getattr(trajectory, name), expected[:, COLUMNS.index(name)])
     assert np.abs(trajectory.u).max() == 8.0
     assert np.abs(trajectory.measured - trajectory.q3).max() > 3e-6
+
+
+def test_the_voltage_offset_may_change_at_any_measurement():
+    offsets = np.where(np.arange(500) < 250, 0.0, -0.02)
+    scenario = Scenario(1.0, 0.0, 0.1, 1e-3)
+    trajectory = simulate(dataclasses.replace(scenario, voltage_offset=offsets), ("u",))
+    assert_same_bits(trajectory.u, np.repeat(offsets, 10))
+    assert_same_bits(
+        simulate(dataclasses.replace(scenario, voltage_offset=0)).q3, simulate(scenario).q3
+    )
 
 
 def test_the_ideal_sensor_measures_the_position():
@@ -247,6 +259,7 @@ def test_whole_numbers_are_floats():
         ({"reference": np.zeros(499)}, "reference"),
         ({"gap": np.zeros(5000)}, "gap"),
         ({"dead_zone": np.zeros((500, 1))}, "dead_zone"),
+        ({"voltage_offset": np.zeros(499)}, "voltage_offset"),
     ],
 )
 def test_an_array_of_another_length_is_refused(arguments, name):

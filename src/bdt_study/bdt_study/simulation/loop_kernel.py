@@ -91,6 +91,8 @@ class DiscreteLoop(NamedTuple):
 IDEAL = np.empty(0)
 IDEAL.flags.writeable = False
 """Noise of the ideal sensor, which has none."""
+NO_OFFSET = IDEAL
+"""Offsets of a controller that adds none."""
 
 
 class LoopInputs(NamedTuple):
@@ -105,12 +107,15 @@ class LoopInputs(NamedTuple):
     noises : ndarray, shape (samples,)
         Noise of the sensor at each sample [m], NaN where a sample is dropped; empty for a sensor
         that is ideal and reads the true position.
+    offsets : ndarray, shape (control steps,)
+        Voltage that the controller adds to each command [V]; empty for none.
     """
 
     references: FloatArray
     tolerances: FloatArray
     gaps: FloatArray
     noises: FloatArray = IDEAL
+    offsets: FloatArray = NO_OFFSET
 
     def between(self, first: int, last: int) -> "LoopInputs":
         """Return what acts on the loop from measurement `first` to before measurement `last`."""
@@ -120,6 +125,7 @@ class LoopInputs(NamedTuple):
             self.tolerances[first:last],
             self.gaps[first * hold : last * hold + 1],
             self.noises[first * hold : last * hold],
+            self.offsets[first:last],
         )
 
 
@@ -227,6 +233,7 @@ def _closed_loop(sources: str) -> Callable[..., LoopState]:
         tolerances: FloatArray,
         gaps: FloatArray,
         noises: FloatArray,
+        offsets: FloatArray,
         u: FloatArray,
         current: FloatArray,
         omega_m: FloatArray,
@@ -251,8 +258,9 @@ def _closed_loop(sources: str) -> Callable[..., LoopState]:
                     reading = position
                 if sample == k * hold:
                     error = references[k] - reading
+                    offset = offsets[k] if offsets.size > 0 else 0.0
                     pid, voltage = limited_pid_step(
-                        pid, error, tolerances[k], step.pid, step.command_limit
+                        pid, error, tolerances[k], step.pid, step.command_limit, offset
                     )
                     voltage = saturated(voltage, step.actuator_limit)
                 u[sample] = voltage
