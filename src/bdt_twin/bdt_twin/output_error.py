@@ -18,7 +18,7 @@ from bdt_twin.block_residual import compiled_means
 from bdt_twin.estimator import Estimate
 from bdt_twin.fixed_order import COMPILED, dot, product, standard_deviation
 from bdt_twin.forward_model import SMALLEST_TRAVEL, compiled_structure, compiled_window
-from bdt_twin.machine_knowledge import MachineKnowledge, first_knowledge
+from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, first_knowledge
 from bdt_twin.model_factors import FACTORS, check_room
 from bdt_twin.output_error_fit import Fit
 from bdt_twin.output_error_settings import OutputErrorSettings
@@ -31,6 +31,10 @@ FloatArray = NDArray[np.float64]
 
 MISFIT = 0.02
 """Share of the position's motion that the residual may have in a window that is explained."""
+SMALLEST_OFFSET = 1e-3
+"""Voltage [V] up to which an amplifier's offset is none."""
+OFFSET_COVERAGE = 5.0
+"""Standard uncertainties by which an offset differs from none before it is one."""
 LARGEST_SATURATED_TRAVEL = 2.0
 """Angle by which the motor may turn, beside twice the gap, while the position is stuck [rad]."""
 
@@ -115,6 +119,7 @@ class OutputErrorEstimator:
         self.last_fit: AcceptedFit | None = None
         self._told: deque[tuple[int, MachineKnowledge]] = deque()
         self._known: tuple[int, MachineKnowledge] | None = None
+        self._has_offset = False
 
     def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
         """Take the next batch.
@@ -259,10 +264,26 @@ class OutputErrorEstimator:
             gain_correction=gain,
             reversals=len(reversals),
             age=time - stamp,
+            **self._voltage_offset(fit),
         )
         self.last_fit = AcceptedFit(window, fit, estimate)
         self._told.append((newest, fit.machine))
         return estimate
+
+    def _voltage_offset(self, fit: Fit) -> dict[str, float]:
+        """Return the offset of the amplifier as fields of an estimate, once there is one.
+
+        An offset that is not told from none is not compensated: in a dead zone without friction
+        the motor would creep by the error.
+        """
+        place = len(FACTORS) + EFFECTS.index("voltage_offset")
+        offset = float(fit.machine.expected[place])
+        uncertainty = math.sqrt(float(fit.machine.covariance[place, place]))
+        surely = max(OFFSET_COVERAGE * uncertainty, SMALLEST_OFFSET)
+        self._has_offset = self._has_offset or abs(offset) > surely
+        if not self._has_offset:
+            return {}
+        return {"voltage_offset": offset, "voltage_offset_uncertainty": uncertainty}
 
     def _hold_estimate(self, time: float, reason: str) -> Estimate:
         """Return the last estimate, as unsure as it is for a window that ends at `time`."""
