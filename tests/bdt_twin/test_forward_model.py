@@ -8,6 +8,7 @@ from bdt_plant.plant import AT_REST, PlantModel, discretize_plant
 from bdt_plant.structure import StructureState, discretize_structure
 from bdt_twin.forward_model import (
     SMALLEST_TRAVEL,
+    SlowMotion,
     compiled_structure,
     compiled_window,
     initial_state,
@@ -17,10 +18,12 @@ from bdt_twin.forward_model import (
 
 RATE, BLOCK = 1000.0, 5
 STEP = discretize_plant(PlantModel(), 1 / RATE)
+SLOW = SlowMotion(speed=5.0, standing_voltage=0.0)
 
 
 def run_from_rest(loop):
-    return simulate_stretch(STEP, AT_REST, np.ascontiguousarray(loop.rows[:, 1]), loop.gaps, BLOCK)
+    voltage = np.ascontiguousarray(loop.rows[:, 1])
+    return simulate_stretch(STEP, AT_REST, voltage, loop.gaps, BLOCK, 1 / RATE, SLOW)
 
 
 def test_from_the_true_beginning_the_position_is_that_of_the_plant(closed_loop):
@@ -68,7 +71,7 @@ def test_a_structure_follows_a_base_that_stays(closed_loop):
 
 def test_the_motor_begins_at_the_speed_for_its_voltage():
     state = initial_state(AT_REST.structure, 0.1, 2.0, PlantModel().motor.back_emf_constant)
-    run = simulate_stretch(STEP, state, np.full(100, 2.0), np.full(100, 50.0), 1)
+    run = simulate_stretch(STEP, state, np.full(100, 2.0), np.full(100, 50.0), 1, 1 / RATE, SLOW)
     assert np.diff(run.relative_angle) == pytest.approx(np.full(99, 0.02), rel=2e-2)
     assert run.relative_angle[0] == 0.1
 

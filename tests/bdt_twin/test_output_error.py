@@ -211,7 +211,7 @@ def another_platform(rows):
         (rest, "the motor does not move"),
         (one_way, "the lead screw does not reverse"),
         (clipped, "the position is stuck at its extreme while the motor turns"),
-        (another_platform, "the model does not explain"),
+        (another_platform, "the gap remains unknown"),
     ],
 )
 def test_where_nothing_can_be_learned_nothing_is_invented(closed_loop, spoil, reason):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bdt_plant.plant import PlantModel
+from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.window_model import INITIAL_CONDITION, Stretch, Unknowns, WindowModel
 
@@ -23,7 +24,12 @@ def unknowns_of(window):
     initial_conditions = np.zeros((len(window.stretches), len(INITIAL_CONDITION)))
     initial_conditions[:] = [0.3, 1e-4, 2e-4, -1e-3, 3e-4, 2e-3]
     gaps = np.deg2rad(np.linspace(8.0, 12.0, KNOTS.size))
-    return Unknowns(gaps, np.array([0.021, -0.013, 0.105]), initial_conditions)
+    return Unknowns(
+        gaps,
+        np.array([0.021, -0.013, 0.105]),
+        initial_conditions,
+        np.array([0.05, 0.01, 2e-4, 1e-6]),
+    )
 
 
 def means(window, unknowns):
@@ -38,7 +44,7 @@ def means(window, unknowns):
 def test_a_vector_holds_all_unknowns(closed_loop):
     unknowns = unknowns_of(window_of(closed_loop(), (0, 5000), (6000, 12000)))
     vector = unknowns.as_vector()
-    assert vector.size == KNOTS.size + len(FACTORS) + 2 * len(INITIAL_CONDITION)
+    assert vector.size == KNOTS.size + len(FACTORS) + len(EFFECTS) + 2 * len(INITIAL_CONDITION)
     assert (unknowns.from_vector(vector).as_vector() == vector).all()
 
 
@@ -48,6 +54,7 @@ def test_unknowns_stay_where_they_have_a_meaning(closed_loop):
     assert (far.gaps == 0.0).all()
     assert (far.factors == -1.0).all()
     assert far.initial_conditions[0, 0] == -1.0
+    assert far.effects[EFFECTS.index("friction_voltage")] == 0.0
 
 
 @pytest.mark.parametrize("cuts", [[(0, 12000)], [(1000, 6000), (7000, 12000)]])

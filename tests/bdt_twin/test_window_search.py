@@ -8,6 +8,8 @@ import pytest
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel
 from bdt_twin import window_search
+from bdt_twin.innovations import NoiseLevels
+from bdt_twin.machine_knowledge import first_knowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error_fit import HALVINGS, WindowFit
 from bdt_twin.window_model import Stretch, Unknowns, WindowModel
@@ -20,6 +22,7 @@ from bdt_twin.window_search import (
 
 RATE, BLOCK = 1000.0, 5
 GROWTH_CHANGE = math.radians(0.02)
+KNOWN = first_knowledge(PlantModel().motor)
 GROWING = GapProfile(kind="ramp", initial=0.1, final=0.3, growth_time=12.0)
 
 
@@ -53,7 +56,7 @@ def simulated(monkeypatch):
 @pytest.mark.parametrize("degrees", [0.5, 5.0, 12.0, 22.0, 40.0, 90.0])
 def test_a_gap_of_any_size_is_found_without_a_predecessor(closed_loop, degrees):
     window = window_of(closed_loop(degrees, dead_zone=degrees))
-    fit = fit_window(window, GROWTH_CHANGE, None, math.inf)
+    fit = fit_window(window, GROWTH_CHANGE, KNOWN)
     assert np.rad2deg(fit.unknowns.gaps[3:-3]) == pytest.approx(degrees, abs=0.02)
 
 
@@ -61,7 +64,9 @@ def test_a_gap_of_any_size_is_found_without_a_predecessor(closed_loop, degrees):
 def test_a_prediction_that_is_far_off_does_not_hold_the_fit(closed_loop, predicted):
     loop = closed_loop(GROWING)
     window = window_of(loop)
-    fit = fit_window(window, GROWTH_CHANGE, unknowns_with(window, predicted), 1e-9)
+    fit = fit_window(
+        window, GROWTH_CHANGE, KNOWN, unknowns_with(window, predicted), 1e-9, NoiseLevels(1e-9)
+    )
     times = window.knots[3:-3]
     true = loop.gaps[np.rint(times * RATE).astype(int)]
     assert np.rad2deg(fit.unknowns.gaps[3:-3] - true) == pytest.approx(0.0, abs=0.02)
@@ -69,12 +74,14 @@ def test_a_prediction_that_is_far_off_does_not_hold_the_fit(closed_loop, predict
 
 def test_a_prediction_that_describes_the_data_is_followed(closed_loop, simulated):
     window = window_of(closed_loop(12.0))
-    first = fit_window(window, GROWTH_CHANGE, None, math.inf)
+    first = fit_window(window, GROWTH_CHANGE, KNOWN)
     simulated.clear()
-    fit = fit_window(window, GROWTH_CHANGE, first.unknowns, first.noise)
+    fit = fit_window(
+        window, GROWTH_CHANGE, KNOWN, first.unknowns, first.prediction_error, first.levels
+    )
     assert list(simulated) == [RATE]
-    assert len(simulated[RATE]) < 6
-    assert fit.noise <= 1.001 * first.noise
+    assert len(simulated[RATE]) < 10
+    assert fit.prediction_error <= 1.001 * first.prediction_error
 
 
 @pytest.mark.parametrize(("wrong", "fits"), [(None, 1), (60.0, 2)])
@@ -92,7 +99,7 @@ def test_the_work_of_a_window_is_limited(closed_loop, simulated, monkeypatch, wr
         BLOCK,
     )
     predicted = None if wrong is None else unknowns_with(window, wrong)
-    fit_window(spoiled, GROWTH_CHANGE, predicted, 1e-9)
+    fit_window(spoiled, GROWTH_CHANGE, KNOWN, predicted, 1e-9, NoiseLevels(1e-9))
     assert len(simulated[RATE]) <= fits * FEWEST_SIMULATIONS
     # All initial_conditions together are tried with fewer samples than a single fit has.
     assert sum(simulated[500]) < MOST_SAMPLES
@@ -100,11 +107,13 @@ def test_the_work_of_a_window_is_limited(closed_loop, simulated, monkeypatch, wr
 
 def test_a_fit_that_is_wrong_after_its_patience_ends(closed_loop):
     window = window_of(closed_loop(15.0))
-    problem, first = WindowFit(window, GROWTH_CHANGE), unknowns_with(window, 60.0)
-    patient = problem.solve(first, 10, 100)
-    ended = problem.solve(first, 10, 100, patience=2, enough=0.0)
+    problem, first = WindowFit(window, GROWTH_CHANGE, KNOWN), unknowns_with(window, 60.0)
+    levels = NoiseLevels(1e-6)
+    patient = problem.solve(first, 10, 100, levels=levels)
+    ended = problem.solve(first, 10, 100, levels=levels, patience=2, enough=0.0)
     assert ended.simulations <= 2 + HALVINGS < patient.simulations
-    assert problem.solve(first, 10, 100, patience=2, enough=1.0).noise == patient.noise
+    same = problem.solve(first, 10, 100, levels=levels, patience=2, enough=1.0)
+    assert same.prediction_error == patient.prediction_error
 
 
 def test_a_coarse_copy_is_the_same_mechanism(closed_loop):

@@ -211,7 +211,7 @@ def fitted_levels(
         """Return the logarithm of the prediction error and the scale of all levels."""
         whitening = make(NoiseLevels(levels.reading, *(levels.reading * ratios).tolist()))
         innovations = whitening.apply(residual[None, :])[0]
-        scale = robust_deviation(innovations)
+        scale = max(robust_deviation(innovations), SMALLEST_NOISE / levels.reading)
         return mean_logarithm(whitening.deviations) + float(logarithm(scale)), scale
 
     ratios = np.array(levels[1:]) / levels.reading
@@ -223,9 +223,7 @@ def fitted_levels(
             if ratios[which] == 0.0:
                 values = (usual,)
             else:
-                values = (ratios[which] * LEVEL_FACTOR, ratios[which] / LEVEL_FACTOR)
-                if ratios[which] < usual:
-                    values = (*values, 0.0)
+                values = (0.0, ratios[which] / LEVEL_FACTOR, ratios[which] * LEVEL_FACTOR)
             for value in values:
                 if count >= most:
                     break
@@ -338,7 +336,7 @@ def _filter_gains(
                     total += transition[i, n] * state[n]
                 expected[i] = total
         innovation = residual[k] - expected[2]
-        variance = covariance[2, 2] + reading
+        variance = max(covariance[2, 2], 0.0) + reading
         if innovation * innovation > threshold * threshold * variance:
             pushed[k] = 1.0
             for i in range(4):
@@ -353,8 +351,13 @@ def _filter_gains(
             state[i] = expected[i] + gains[k, i] * innovation
         for i in range(6):
             factor = gains[k, i] * variance
-            for j in range(6):
-                covariance[i, j] -= factor * gains[k, j]
+            for j in range(i + 1):
+                left = covariance[i, j] - factor * gains[k, j]
+                covariance[i, j] = left
+                covariance[j, i] = left
+        for i in range(6):
+            # Rounding may leave less than nothing where next to nothing is unknown.
+            covariance[i, i] = max(covariance[i, i], 0.0)
 
 
 def _innovations(

@@ -4,6 +4,7 @@ Windows overlap, so what the last one has told is no independent knowledge. What
 that ended before this one begins is: it may have become a little wrong since, and counts as that.
 """
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,10 @@ FACTOR_CHANGE_RATE = (5e-4, 5e-4, 5e-3)
 """Random walk of the logarithms of ``FACTORS`` [1/s^0.5]."""
 EFFECT_CHANGE_RATE = (5e-4, 5e-4, 5e-6, 1e-7)
 """Random walk of ``EFFECTS`` [V/s^0.5, V/s^0.5, s/s^0.5, m/s^1.5]."""
+ABSENT = 1e-6
+"""Share of its spread that an effect may have as long as there is no evidence of it."""
+EVIDENCE = 4.0
+"""Gain of log-likelihood by an effect that is evidence of it."""
 DOUBT = 2.0
 """Factor by which what a window has told is less sure than it has said."""
 
@@ -49,6 +54,22 @@ class MachineKnowledge(NamedTuple):
 
     expected: FloatArray
     covariance: FloatArray
+
+    def without(self, absent: Iterable[int]) -> "MachineKnowledge":
+        """Return the knowledge of a machine that has not these places of ``EFFECTS``."""
+        return self._with_spread(absent, ABSENT)
+
+    def forgetting(self, effects: Iterable[int]) -> "MachineKnowledge":
+        """Return the knowledge without any of these places of ``EFFECTS``."""
+        return self._with_spread(effects, 1.0)
+
+    def _with_spread(self, effects: Iterable[int], share: float) -> "MachineKnowledge":
+        covariance = self.covariance.copy()
+        for effect in effects:
+            place = len(FACTORS) + effect
+            covariance[place, :] = covariance[:, place] = 0.0
+            covariance[place, place] = np.square(share * EFFECT_SPREAD[effect])
+        return self._replace(covariance=covariance)
 
     def precision(self) -> FloatArray:
         """Return the inverse covariance, shape (7, 7)."""

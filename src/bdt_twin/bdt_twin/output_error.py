@@ -18,7 +18,7 @@ from bdt_twin.block_residual import compiled_means
 from bdt_twin.estimator import Estimate
 from bdt_twin.fixed_order import COMPILED, dot, product, standard_deviation
 from bdt_twin.forward_model import SMALLEST_TRAVEL, compiled_structure, compiled_window
-from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, first_knowledge
+from bdt_twin.machine_knowledge import EVIDENCE, EFFECTS, MachineKnowledge, first_knowledge
 from bdt_twin.model_factors import FACTORS, check_room
 from bdt_twin.output_error_fit import Fit
 from bdt_twin.output_error_settings import OutputErrorSettings
@@ -117,8 +117,11 @@ class OutputErrorEstimator:
 
     def _forget_fits(self) -> None:
         self.last_fit: AcceptedFit | None = None
-        self._told: deque[tuple[int, MachineKnowledge]] = deque()
-        self._known: tuple[int, MachineKnowledge] | None = None
+        self._told: deque[tuple[int, MachineKnowledge, frozenset[int]]] = deque()
+        self._known: tuple[int, MachineKnowledge, frozenset[int]] | None = None
+        self._present = set[int]()
+        if self._model.motor.coulomb_friction > 0.0:
+            self._present.add(EFFECTS.index("friction_voltage"))
         self._has_offset = False
 
     def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
@@ -192,24 +195,42 @@ class OutputErrorEstimator:
         return self._validate(window, self._fit(window), newest)
 
     def _fit(self, window: WindowModel) -> Fit:
-        """Fit a window, beginning with the last fit if it still describes the data."""
+        """Fit a window, beginning with the last fit if it still describes the data.
+
+        An effect of the machine joins the unknowns when a window gives evidence of it.
+        """
         predicted, error, levels = None, math.inf, None
         if self.last_fit is not None:
             predicted = self._predict_unknowns(window, self.last_fit)
             error, levels = self.last_fit.fit.prediction_error, self.last_fit.fit.levels
-        return fit_window(
-            window, self._settings.growth_change, self._machine(window), predicted, error, levels
-        )
+        change = self._settings.growth_change
+        fit = fit_window(window, change, self._machine(window), predicted, error, levels)
+        while self._has_evidence(fit):
+            # What explains more is found from here; the error may only become smaller.
+            fit = fit_window(
+                window, change, self._machine(window), fit.unknowns, math.inf, fit.levels
+            )
+        return fit
+
+    def _has_evidence(self, fit: Fit) -> bool:
+        """Take the effect of which a fit gives most evidence for present; tell whether one is."""
+        evidence = fit.evidence.copy()
+        evidence[list(self._present)] = 0.0
+        if float(evidence.max()) <= EVIDENCE:
+            return False
+        self._present.add(int(evidence.argmax()))
+        return True
 
     def _machine(self, window: WindowModel) -> MachineKnowledge:
         """Return what windows that do not overlap with this one have told about the machine."""
         begins = window.stretches[0].first
         while self._told and self._told[0][0] < begins:
             self._known = self._told.popleft()
-        if self._known is None:
-            return first_knowledge(self._model.motor)
-        ended, told = self._known
-        return told.aged((begins - ended) / self._rate)
+        known = first_knowledge(self._model.motor)
+        if self._known is not None:
+            ended, told, present = self._known
+            known = told.aged((begins - ended) / self._rate).forgetting(self._present - present)
+        return known.without(set(range(len(EFFECTS))) - self._present)
 
     def _predict_unknowns(self, window: WindowModel, last: AcceptedFit) -> Unknowns:
         """Return the unknowns that the last fit predicts for a window."""
@@ -267,7 +288,7 @@ class OutputErrorEstimator:
             **self._voltage_offset(fit),
         )
         self.last_fit = AcceptedFit(window, fit, estimate)
-        self._told.append((newest, fit.machine))
+        self._told.append((newest, fit.machine, frozenset(self._present)))
         return estimate
 
     def _voltage_offset(self, fit: Fit) -> dict[str, float]:

@@ -22,7 +22,8 @@ from bdt_twin.innovations import (
     fitted_levels,
     robust_deviation,
 )
-from bdt_twin.machine_knowledge import MachineKnowledge
+from bdt_twin.model_factors import FACTORS
+from bdt_twin.machine_knowledge import EFFECT_SPREAD, EFFECTS, MachineKnowledge
 from bdt_twin.window_model import INITIAL_CONDITION, Unknowns, WindowModel
 
 FloatArray = NDArray[np.float64]
@@ -40,8 +41,12 @@ SHARE_SPREAD = 1.0
 CHANGE_FREEDOM = 2.0
 """Degrees of freedom of Student's distribution, of which growth changes are: few are large."""
 
-MOST_LEVELS = 10
-"""Levels of noise to try at a step."""
+MOST_LEVELS = 12
+"""Levels of noise to try at the first step of a fit and at its end."""
+MOST_SEARCHES = 2
+"""Searches for levels of noise at the end of a fit."""
+LEVELS_AGREE = 0.998
+"""Ratio of prediction errors from which on other levels of noise are not worth another step."""
 HALVINGS = 3
 """Halvings of a step that makes the fit worse, before the fit ends."""
 SMALLEST_GAIN = 0.02
@@ -75,6 +80,8 @@ class Fit:
         Innovations over their standard deviations.
     pushed : ndarray, shape (blocks,)
         One where something pushed a platform, else zero.
+    evidence : ndarray, shape (4,)
+        Gain of log-likelihood by each of ``EFFECTS`` that the machine is thought not to have.
     """
 
     unknowns: Unknowns
@@ -87,6 +94,7 @@ class Fit:
     simulations: int
     innovations: FloatArray
     pushed: FloatArray
+    evidence: FloatArray
 
     @property
     def gap_covariance(self) -> FloatArray:
@@ -169,7 +177,7 @@ class WindowFit:
         enough : float
             Prediction error [m].
         """
-        point, simulated = self._at(unknowns), 1
+        point, simulated, searches, error = self._at(unknowns), 1, 0, math.inf
         for number in range(1, steps + 1):
             if simulated >= simulations:
                 break
@@ -180,7 +188,7 @@ class WindowFit:
             if levels is None:
                 whitening = self._whitening(point, NoiseLevels(noise))
             else:
-                levels, error = self._levels(point, levels, MOST_LEVELS if number % 2 else 1)
+                levels, error = self._levels(point, levels, MOST_LEVELS if number == 1 else 1)
                 if simulated >= patience and error > enough:
                     break
                 noise = settled
@@ -189,18 +197,24 @@ class WindowFit:
             vector = point.unknowns.as_vector()
             before, after = self._cost(point, whitening), math.inf
             for _ in range(min(1 + HALVINGS, simulations - simulated)):
-                unknowns = point.unknowns.from_vector(vector + step)
-                trial = self._at(unknowns)
+                trial = self._at(point.unknowns.from_vector(vector + step))
                 simulated += 1
                 after = self._cost(trial, whitening)
                 if after <= before:
                     break
                 step = 0.5 * step
-            if after > before:
-                break
-            point = trial
-            if noise < 1.2 * settled and before - after < SMALLEST_GAIN + 1e-4 * before:
-                break
+            if after <= before:
+                point = trial
+            if after > before or (
+                noise < 1.2 * settled and before - after < SMALLEST_GAIN + 1e-4 * before
+            ):
+                if levels is None:
+                    break
+                # Other levels of noise have another best fit.
+                levels, settled_error = self._levels(point, levels, MOST_LEVELS)
+                searches += 1
+                if searches == MOST_SEARCHES or settled_error > LEVELS_AGREE * error:
+                    break
         return self._result(point, simulated, levels)
 
     def _at(self, unknowns: Unknowns) -> _Point:
@@ -266,7 +280,7 @@ class WindowFit:
             levels, error = NoiseLevels(deviation), deviation
             whitening = self._whitening(point, levels)
         else:
-            levels, error = self._levels(point, levels, MOST_LEVELS)
+            levels, error = self._levels(point, levels, 1)
             whitening = self._whitening(point, levels, PUSHED)
         innovations = whitening.apply(point.residual[None, :])[0]
         jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))
@@ -277,7 +291,7 @@ class WindowFit:
             1.0, mean(np.square(bounded))
         )
         information = fisher_information(jacobian, weights) + self._prior_at(point.unknowns)
-        covariance = solution(information, np.eye(len(information)))
+        covariance = _inverse(information)
         pending = _solved(information, self._gradient(point, jacobian, weights * innovations))
         return Fit(
             point.unknowns,
@@ -290,14 +304,42 @@ class WindowFit:
             simulations,
             innovations,
             whitening.pushed,
+            self._evidence(point, jacobian, weights, innovations),
         )
+
+    def _evidence(
+        self, point: _Point, jacobian: FloatArray, weights: FloatArray, innovations: FloatArray
+    ) -> FloatArray:
+        """Return the gain of log-likelihood by each effect if it were free, shape (4,)."""
+        information = fisher_information(jacobian, weights)
+        gradient = self._gradient(point, jacobian, weights * innovations)
+        with_prior = information + self._prior_at(point.unknowns)
+        first = point.unknowns.gaps.size + len(FACTORS)
+        gains = np.zeros(len(EFFECTS))
+        for effect, spread in enumerate(EFFECT_SPREAD):
+            place = first + effect
+            others = np.delete(np.arange(len(information)), place)
+            coupling = with_prior[others, place]
+            solved = _inverse(with_prior[np.ix_(others, others)], coupling[:, None])[:, 0]
+            own = information[place, place] + 1.0 / (spread * spread) - dot(coupling, solved)
+            slope = gradient[place] - dot(solved, gradient[others])
+            if own > 0.0:
+                gains[effect] = 0.5 * slope * slope / own
+        return gains
+
+
+def _inverse(information: FloatArray, right: FloatArray | None = None) -> FloatArray:
+    """Return the inverse of an information matrix, or its product with a matrix."""
+    scale = 1.0 / np.sqrt(np.diag(information))
+    scaled = information * np.outer(scale, scale) + 1e-12 * np.eye(scale.size)
+    if right is None:
+        return solution(scaled, np.eye(scale.size)) * np.outer(scale, scale)
+    return scale[:, None] * solution(scaled, scale[:, None] * right)
 
 
 def _solved(information: FloatArray, gradient: FloatArray) -> FloatArray:
     """Return the step to where the gradient vanishes."""
-    scale = 1.0 / np.sqrt(np.diag(information))
-    scaled = information * np.outer(scale, scale) + 1e-12 * np.eye(scale.size)
-    step: FloatArray = scale * solution(scaled, (scale * gradient)[:, None])[:, 0]
+    step: FloatArray = _inverse(information, gradient[:, None])[:, 0]
     return step
 
 

@@ -1,7 +1,7 @@
 """Position over a window as a function of what is unknown about the mechanism, and its Jacobian."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
 from typing import NamedTuple
 
@@ -80,7 +80,7 @@ class Unknowns:
     gaps: FloatArray
     factors: FloatArray
     initial_conditions: FloatArray
-    effects: FloatArray
+    effects: FloatArray = field(default_factory=lambda: np.zeros(len(EFFECTS)))
 
     def as_vector(self) -> FloatArray:
         """Return all of them in one array."""

@@ -22,16 +22,18 @@ ROUGH, FINE = 5, 10
 """Largest numbers of steps of a fit to choose a beginning by, and of one that counts."""
 PREDICTION_SIMULATIONS = 4
 """Simulations after which a prediction has to describe the data."""
-MOST_SAMPLES = 1_600_000
+MOST_SAMPLES = 1_200_000
 """Samples that a fit may simulate, which bounds the time that it takes."""
-FEWEST_SIMULATIONS = 5
+FEWEST_SIMULATIONS = 9
 """Simulations that a fit may make, however long the window is."""
+ROUGH_SIMULATIONS = 4
+"""Simulations of a fit to which the machine's noise is not known yet."""
 COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
 """Lowest rates at which a beginning is chosen [Hz]: motor and structure are hardly faster."""
 WORSE = 2.0
 """Growth of the residual from window to window that makes the fit begin anew."""
-EXPLAINED = 1e-4
-"""Share of the position's motion in a residual from which on no better fit is looked for."""
+EXPLAINED = 1e-6
+"""Share of the position's motion in a prediction error from which on no better fit is looked for."""
 
 
 def initial_conditions_at_rest(window: WindowModel) -> FloatArray:
@@ -47,8 +49,8 @@ def fit_window(
     window: WindowModel,
     growth_change: float,
     machine: MachineKnowledge,
-    predicted: Unknowns | None,
-    error: float,
+    predicted: Unknowns | None = None,
+    error: float = math.inf,
     levels: NoiseLevels | None = None,
 ) -> Fit:
     """Fit a window, beginning with a prediction if that describes the data.
@@ -76,8 +78,7 @@ def fit_window(
     samples = sum(stretch.voltage.size for stretch in window.stretches)
     simulations = max(MOST_SAMPLES // samples, FEWEST_SIMULATIONS)
     if predicted is None:
-        near = problem.solve(_multi_start(window, growth_change, machine), ROUGH, simulations)
-        return problem.solve(near.unknowns, FINE, simulations, levels=near.levels)
+        return _from_many(problem, window, growth_change, machine, simulations)
     motion = max(standard_deviation(stretch.position) for stretch in window.stretches)
     enough = max(WORSE * error, EXPLAINED * motion)
     followed = problem.solve(
@@ -90,9 +91,22 @@ def fit_window(
     )
     if followed.prediction_error <= enough:
         return followed
-    near = problem.solve(_multi_start(window, growth_change, machine), ROUGH, FEWEST_SIMULATIONS)
-    fit = problem.solve(near.unknowns, FINE, FEWEST_SIMULATIONS, levels=near.levels)
+    fit = _from_many(problem, window, growth_change, machine, FEWEST_SIMULATIONS)
     return min(followed, fit, key=lambda each: each.prediction_error)
+
+
+def _from_many(
+    problem: WindowFit,
+    window: WindowModel,
+    growth_change: float,
+    machine: MachineKnowledge,
+    simulations: int,
+) -> Fit:
+    """Fit a window from the best of many beginnings: roughly, then with the machine's noise."""
+    beginning = _multi_start(window, growth_change, machine)
+    near = problem.solve(beginning, ROUGH, ROUGH_SIMULATIONS)
+    rest = simulations - near.simulations
+    return problem.solve(near.unknowns, FINE, rest, levels=near.levels)
 
 
 def _multi_start(
