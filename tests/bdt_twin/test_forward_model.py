@@ -9,12 +9,11 @@ from bdt_plant.structure import StructureState, discretize_structure
 from bdt_twin.forward_model import (
     SMALLEST_TRAVEL,
     SlowMotion,
-    compiled_structure,
-    compiled_window,
     initial_state,
     simulate_stretch,
     simulate_structure,
 )
+from bdt_twin.window_loop import compiled_structure, compiled_window
 
 RATE, BLOCK = 1000.0, 5
 STEP = discretize_plant(PlantModel(), 1 / RATE)

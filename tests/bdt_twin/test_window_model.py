@@ -6,7 +6,8 @@ import pytest
 from bdt_plant.plant import PlantModel
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.window_model import INITIAL_CONDITION, Stretch, Unknowns, WindowModel
+from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
+from bdt_twin.window_model import Stretch, WindowModel
 
 RATE, BLOCK = 1000.0, 5
 KNOTS = np.arange(0.0, 12.1, 2.0)

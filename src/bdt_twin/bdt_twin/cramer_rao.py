@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_twin.fixed_order import weighted_products
-from bdt_twin.window_model import Unknowns, WindowModel
+from bdt_twin.unknowns import Unknowns
+from bdt_twin.window_model import WindowModel
 
 FloatArray = NDArray[np.float64]
 

@@ -35,8 +35,6 @@ EFFECT_CHANGE_RATE = (5e-4, 5e-4, 5e-6, 1e-7)
 """Random walk of ``EFFECTS`` [V/s^0.5, V/s^0.5, s/s^0.5, m/s^1.5]."""
 ABSENT = 1e-6
 """Share of its spread that an effect may have as long as there is no evidence of it."""
-EVIDENCE = 4.0
-"""Gain of log-likelihood by an effect that is evidence of it."""
 DOUBT = 2.0
 """Factor by which what a window has told is less sure than it has said."""
 

@@ -6,40 +6,19 @@ differentiated, so noise on the position does little harm.
 """
 
 import math
-from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import exponential
 from bdt_plant.plant import PlantModel
 from bdt_twin.block_residual import compiled_means
 from bdt_twin.estimator import Estimate
+from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import COMPILED, dot, product, standard_deviation
-from bdt_twin.forward_model import SMALLEST_TRAVEL, compiled_structure, compiled_window
-from bdt_twin.machine_knowledge import EVIDENCE, EFFECTS, MachineKnowledge, first_knowledge
-from bdt_twin.model_factors import FACTORS, check_room
-from bdt_twin.output_error_fit import Fit
-from bdt_twin.output_error_settings import OutputErrorSettings
-from bdt_twin.sensor_saturation import motor_travel_in_saturation
-from bdt_twin.telemetry_window import TelemetryWindow
-from bdt_twin.window_model import Unknowns, WindowModel
-from bdt_twin.window_search import fit_window, initial_conditions_at_rest
-
-FloatArray = NDArray[np.float64]
-
-MISFIT = 0.02
-"""Share of the position's motion that the residual may have in a window that is explained."""
-SMALLEST_OFFSET = 1e-3
-"""Voltage [V] up to which an amplifier's offset is none."""
-OFFSET_COVERAGE = 5.0
-"""Standard uncertainties by which an offset differs from none before it is one."""
-LARGEST_SATURATED_TRAVEL = 2.0
-"""Angle by which the motor may turn, beside twice the gap, while the position is stuck [rad]."""
+from bdt_twin.forward_model import SMALLEST_TRAVEL
+from bdt_twin.machine_memory import MachineMemory
 
 
-@dataclass(frozen=True, eq=False)
 class AcceptedFit:
     """The last window that taught something.
 
@@ -117,12 +96,7 @@ class OutputErrorEstimator:
 
     def _forget_fits(self) -> None:
         self.last_fit: AcceptedFit | None = None
-        self._told: deque[tuple[int, MachineKnowledge, frozenset[int]]] = deque()
-        self._known: tuple[int, MachineKnowledge, frozenset[int]] | None = None
-        self._present = set[int]()
-        if self._model.motor.coulomb_friction > 0.0:
-            self._present.add(EFFECTS.index("friction_voltage"))
-        self._has_offset = False
+        self._machine = MachineMemory(self._model.motor)
 
     def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
         """Take the next batch.
@@ -204,33 +178,25 @@ class OutputErrorEstimator:
             predicted = self._predict_unknowns(window, self.last_fit)
             error, levels = self.last_fit.fit.prediction_error, self.last_fit.fit.levels
         change = self._settings.growth_change
-        fit = fit_window(window, change, self._machine(window), predicted, error, levels)
-        while self._has_evidence(fit):
+        fit = fit_window(
+            window,
+            change,
+            self._machine.before(window.stretches[0].first / self._rate),
+            predicted,
+            error,
+            levels,
+        )
+        while self._machine.has_evidence(fit.evidence):
             # What explains more is found from here; the error may only become smaller.
             fit = fit_window(
-                window, change, self._machine(window), fit.unknowns, math.inf, fit.levels
+                window,
+                change,
+                self._machine.before(window.stretches[0].first / self._rate),
+                fit.unknowns,
+                math.inf,
+                fit.levels,
             )
         return fit
-
-    def _has_evidence(self, fit: Fit) -> bool:
-        """Take the effect of which a fit gives most evidence for present; tell whether one is."""
-        evidence = fit.evidence.copy()
-        evidence[list(self._present)] = 0.0
-        if float(evidence.max()) <= EVIDENCE:
-            return False
-        self._present.add(int(evidence.argmax()))
-        return True
-
-    def _machine(self, window: WindowModel) -> MachineKnowledge:
-        """Return what windows that do not overlap with this one have told about the machine."""
-        begins = window.stretches[0].first
-        while self._told and self._told[0][0] < begins:
-            self._known = self._told.popleft()
-        known = first_knowledge(self._model.motor)
-        if self._known is not None:
-            ended, told, present = self._known
-            known = told.aged((begins - ended) / self._rate).forgetting(self._present - present)
-        return known.without(set(range(len(EFFECTS))) - self._present)
 
     def _predict_unknowns(self, window: WindowModel, last: AcceptedFit) -> Unknowns:
         """Return the unknowns that the last fit predicts for a window."""
@@ -246,9 +212,7 @@ class OutputErrorEstimator:
                 sample = stretch.first - old.first
                 if 0 <= sample < run.relative_angle.size and half > 0.0:
                     beginning[0] = min(max(run.relative_angle[sample] / half, -1.0), 1.0)
-        return Unknowns(
-            gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects
-        )
+        return Unknowns(gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects)
 
     def _validate(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
         """Return what a fit teaches, or the last estimate with the reason why it does not."""
@@ -285,26 +249,15 @@ class OutputErrorEstimator:
             gain_correction=gain,
             reversals=len(reversals),
             age=time - stamp,
-            **self._voltage_offset(fit),
         )
+        offset = self._machine.voltage_offset(fit.machine)
+        if offset is not None:
+            estimate = estimate._replace(
+                voltage_offset=offset.voltage, voltage_offset_uncertainty=offset.uncertainty
+            )
         self.last_fit = AcceptedFit(window, fit, estimate)
-        self._told.append((newest, fit.machine, frozenset(self._present)))
+        self._machine.learn(newest / self._rate, fit.machine)
         return estimate
-
-    def _voltage_offset(self, fit: Fit) -> dict[str, float]:
-        """Return the offset of the amplifier as fields of an estimate, once there is one.
-
-        An offset that is not told from none is not compensated: in a dead zone without friction
-        the motor would creep by the error.
-        """
-        place = len(FACTORS) + EFFECTS.index("voltage_offset")
-        offset = float(fit.machine.expected[place])
-        uncertainty = math.sqrt(float(fit.machine.covariance[place, place]))
-        surely = max(OFFSET_COVERAGE * uncertainty, SMALLEST_OFFSET)
-        self._has_offset = self._has_offset or abs(offset) > surely
-        if not self._has_offset:
-            return {}
-        return {"voltage_offset": offset, "voltage_offset_uncertainty": uncertainty}
 
     def _hold_estimate(self, time: float, reason: str) -> Estimate:
         """Return the last estimate, as unsure as it is for a window that ends at `time`."""

@@ -1,7 +1,6 @@
 """Nonlinear least squares of the forward model over one window."""
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -10,40 +9,39 @@ from numpy.typing import NDArray
 from bdt_plant.elementary_functions import logarithm
 from bdt_twin.block_residual import BlockResidual, variance_inflation
 from bdt_twin.cramer_rao import fisher_information
+from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import dot, mean, product, solution, total, weighted_products
 from bdt_twin.forward_model import StretchResponse
-from bdt_twin.innovations import (
+from bdt_twin.innovations import NoiseLevels, Whitening
+from bdt_twin.machine_knowledge import EFFECT_SPREAD, EFFECTS, MachineKnowledge
+from bdt_twin.model_factors import FACTORS
+from bdt_twin.noise_levels import (
     FROM_MAD,
     HUBER,
     SMALLEST_NOISE,
     FittedLevels,
-    NoiseLevels,
-    Whitening,
     fitted_levels,
     robust_deviation,
 )
-from bdt_twin.model_factors import FACTORS
-from bdt_twin.machine_knowledge import EFFECT_SPREAD, EFFECTS, MachineKnowledge
-from bdt_twin.window_model import INITIAL_CONDITION, Unknowns, WindowModel
+from bdt_twin.unknowns import Unknowns
+from bdt_twin.window_model import WindowModel
+from bdt_twin.window_prior import prior_precision
 
 FloatArray = NDArray[np.float64]
 
 PUSHED = 6.0
 """Standard deviations of an innovation beyond which something pushed a platform."""
 
-GAP_SPREAD = 10.0
-"""Prior standard deviation of the gap [rad]: none, but a knot without data stays finite."""
-GROWTH_SPREAD = math.radians(10.0)
-"""Prior standard deviation of the mean growth rate [rad/s]."""
-SHARE_SPREAD = 1.0
-"""Prior standard deviation of where in the gap the motor begins."""
 
 CHANGE_FREEDOM = 2.0
 """Degrees of freedom of Student's distribution, of which growth changes are: few are large."""
 
 MOST_LEVELS = 12
-"""Levels of noise to try at the first step of a fit and at its end."""
-MOST_SEARCHES = 2
+"""Levels of noise to try at the end of a fit."""
+MACHINE_DOUBT = 1.3
+"""Factor by which uncertainties are larger where a machine has noise: its levels are found from the
+same data, and stick and slip is rarer and larger than what is normal."""
+MOST_SEARCHES = 3
 """Searches for levels of noise at the end of a fit."""
 LEVELS_AGREE = 0.998
 """Ratio of prediction errors from which on other levels of noise are not worth another step."""
@@ -51,64 +49,6 @@ HALVINGS = 3
 """Halvings of a step that makes the fit worse, before the fit ends."""
 SMALLEST_GAIN = 0.02
 """Gain of log-likelihood by a step that ends the fit; a half is one standard deviation."""
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """Result of a fit.
-
-    Attributes
-    ----------
-    unknowns : Unknowns
-        Where the fit ended.
-    responses : list of StretchResponse
-        The simulation there.
-    residual : float
-        Standard deviation of the residual's block means, without outliers [m].
-    prediction_error : float
-        Geometric mean of the standard deviations of the innovations [m].
-    levels : NoiseLevels
-        What of the residual is noise of the reading, and what of the machine.
-    covariance : ndarray, shape (unknowns, unknowns)
-        Covariance of the unknowns.
-    pending : ndarray, shape (unknowns,)
-        The step that the fit did not make, because it was at its end, or because no part of it
-        made the fit better.
-    simulations : int
-        Simulations made.
-    innovations : ndarray, shape (blocks,)
-        Innovations over their standard deviations.
-    pushed : ndarray, shape (blocks,)
-        One where something pushed a platform, else zero.
-    evidence : ndarray, shape (4,)
-        Gain of log-likelihood by each of ``EFFECTS`` that the machine is thought not to have.
-    """
-
-    unknowns: Unknowns
-    responses: list[StretchResponse]
-    residual: float
-    prediction_error: float
-    levels: NoiseLevels
-    covariance: FloatArray
-    pending: FloatArray
-    simulations: int
-    innovations: FloatArray
-    pushed: FloatArray
-    evidence: FloatArray
-
-    @property
-    def gap_covariance(self) -> FloatArray:
-        """Covariance of the gap at the knots [rad^2], shape (knots, knots)."""
-        knots = self.unknowns.gaps.size
-        return self.covariance[:knots, :knots]
-
-    @property
-    def machine(self) -> MachineKnowledge:
-        """What the window has told about the machine."""
-        known = np.concatenate([self.unknowns.factors, self.unknowns.effects])
-        first = self.unknowns.gaps.size
-        last = first + known.size
-        return MachineKnowledge(known, self.covariance[first:last, first:last])
 
 
 class _Point(NamedTuple):
@@ -143,7 +83,7 @@ class WindowFit:
         self._window = window
         positions = [stretch.position for stretch in window.stretches]
         self._residual = BlockResidual(positions, window.block)
-        self._prior = _prior(window.knots, len(positions), machine)
+        self._prior = prior_precision(window.knots, len(positions), machine)
         self._expected = np.zeros(len(self._prior))
         self._expected[window.knots.size :][: machine.expected.size] = machine.expected
         count, spacing = window.knots.size, float(window.knots[1] - window.knots[0])
@@ -188,7 +128,9 @@ class WindowFit:
             if levels is None:
                 whitening = self._whitening(point, NoiseLevels(noise))
             else:
-                levels, error = self._levels(point, levels, MOST_LEVELS if number == 1 else 1)
+                # A machine without noise so far is given the chance that the gap explains all.
+                is_noisy = number == 1 and any(levels[1:])
+                levels, error = self._levels(point, levels, MOST_LEVELS if is_noisy else 1)
                 if simulated >= patience and error > enough:
                     break
                 noise = settled
@@ -249,9 +191,7 @@ class WindowFit:
         information = fisher_information(jacobian, weights) + self._prior_at(point.unknowns)
         return _solved(information, self._gradient(point, jacobian, weights * innovations))
 
-    def _gradient(
-        self, point: _Point, jacobian: FloatArray, innovations: FloatArray
-    ) -> FloatArray:
+    def _gradient(self, point: _Point, jacobian: FloatArray, innovations: FloatArray) -> FloatArray:
         """Return the slope of the log-likelihood with respect to the unknowns."""
         off = point.unknowns.as_vector() - self._expected
         gradient: FloatArray = product(jacobian, innovations)
@@ -287,9 +227,10 @@ class WindowFit:
         weights = huber_weights(innovations)
         # What is left in the innovations that is not white says less than its samples are many.
         bounded = np.clip(innovations, -HUBER, HUBER)
-        weights /= variance_inflation(bounded, self._window.block_rate) * max(
-            1.0, mean(np.square(bounded))
-        )
+        inflation = variance_inflation(bounded, self._window.block_rate)
+        if any(levels[1:]):
+            inflation *= MACHINE_DOUBT * MACHINE_DOUBT
+        weights /= inflation * max(1.0, mean(np.square(bounded)))
         information = fisher_information(jacobian, weights) + self._prior_at(point.unknowns)
         covariance = _inverse(information)
         pending = _solved(information, self._gradient(point, jacobian, weights * innovations))
@@ -357,19 +298,3 @@ def _noise(residual: FloatArray) -> float:
 def _deviation(residual: FloatArray) -> float:
     """Return the standard deviation of a residual whose outliers are brought back [m]."""
     return max(SMALLEST_NOISE, robust_deviation(residual))
-
-
-def _prior(knots: FloatArray, stretches: int, machine: MachineKnowledge) -> FloatArray:
-    """Return the inverse covariance of the unknowns but for the changes of growth."""
-    count, spacing = knots.size, float(knots[1] - knots[0])
-    growth = np.diff(np.eye(count), axis=0) / spacing
-    first = count + machine.expected.size
-    size = first + len(INITIAL_CONDITION) * stretches
-    prior = np.zeros((size, size))
-    prior[:count, :count] = np.eye(count) / (GAP_SPREAD * GAP_SPREAD)
-    spread = np.full(count - 1, 1.0 / (GROWTH_SPREAD * GROWTH_SPREAD * (count - 1)))
-    prior[:count, :count] += weighted_products(growth.T, spread)
-    prior[count:first, count:first] = machine.precision()
-    shares = np.arange(first, size, len(INITIAL_CONDITION))
-    prior[shares, shares] = 1.0 / (SHARE_SPREAD * SHARE_SPREAD)
-    return prior

@@ -5,12 +5,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import standard_deviation
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.output_error_fit import Fit, WindowFit
-from bdt_twin.window_model import INITIAL_CONDITION, Unknowns, WindowModel
+from bdt_twin.output_error_fit import WindowFit
+from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
+from bdt_twin.window_model import WindowModel
 
 FloatArray = NDArray[np.float64]
 
@@ -33,7 +35,7 @@ COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
 WORSE = 2.0
 """Growth of the residual from window to window that makes the fit begin anew."""
 EXPLAINED = 1e-6
-"""Share of the position's motion in a prediction error from which on no better fit is looked for."""
+"""Share of the position's motion in a prediction error that is small enough."""
 
 
 def initial_conditions_at_rest(window: WindowModel) -> FloatArray:
@@ -109,9 +111,7 @@ def _from_many(
     return problem.solve(near.unknowns, FINE, rest, levels=near.levels)
 
 
-def _multi_start(
-    window: WindowModel, growth_change: float, machine: MachineKnowledge
-) -> Unknowns:
+def _multi_start(window: WindowModel, growth_change: float, machine: MachineKnowledge) -> Unknowns:
     """Return what fits a coarse copy of the window best, of what is found from each first gap."""
     coarse = window.coarse(COARSE_RATE, COARSE_BLOCK_RATE)
     problem = WindowFit(coarse, growth_change, machine)

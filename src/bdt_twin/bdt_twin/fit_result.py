@@ -1,0 +1,71 @@
+"""What the fit of a window has found."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_twin.forward_model import StretchResponse
+from bdt_twin.innovations import NoiseLevels
+from bdt_twin.machine_knowledge import MachineKnowledge
+from bdt_twin.unknowns import Unknowns
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Result of a fit.
+
+    Attributes
+    ----------
+    unknowns : Unknowns
+        Where the fit ended.
+    responses : list of StretchResponse
+        The simulation there.
+    residual : float
+        Standard deviation of the residual's block means, without outliers [m].
+    prediction_error : float
+        Geometric mean of the standard deviations of the innovations [m].
+    levels : NoiseLevels
+        What of the residual is noise of the reading, and what of the machine.
+    covariance : ndarray, shape (unknowns, unknowns)
+        Covariance of the unknowns.
+    pending : ndarray, shape (unknowns,)
+        The step that the fit did not make, because it was at its end, or because no part of it
+        made the fit better.
+    simulations : int
+        Simulations made.
+    innovations : ndarray, shape (blocks,)
+        Innovations over their standard deviations.
+    pushed : ndarray, shape (blocks,)
+        One where something pushed a platform, else zero.
+    evidence : ndarray, shape (4,)
+        Gain of log-likelihood by each of ``EFFECTS`` that the machine is thought not to have.
+    """
+
+    unknowns: Unknowns
+    responses: list[StretchResponse]
+    residual: float
+    prediction_error: float
+    levels: NoiseLevels
+    covariance: FloatArray
+    pending: FloatArray
+    simulations: int
+    innovations: FloatArray
+    pushed: FloatArray
+    evidence: FloatArray
+
+    @property
+    def gap_covariance(self) -> FloatArray:
+        """Covariance of the gap at the knots [rad^2], shape (knots, knots)."""
+        knots = self.unknowns.gaps.size
+        return self.covariance[:knots, :knots]
+
+    @property
+    def machine(self) -> MachineKnowledge:
+        """What the window has told about the machine."""
+        known = np.concatenate([self.unknowns.factors, self.unknowns.effects])
+        first = self.unknowns.gaps.size
+        last = first + known.size
+        return MachineKnowledge(known, self.covariance[first:last, first:last])

@@ -1,0 +1,104 @@
+"""What one window after the other tells about a machine: which effects it has, and how large."""
+
+import math
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_plant.motor import MotorParameters
+from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, first_knowledge
+from bdt_twin.model_factors import FACTORS
+
+FloatArray = NDArray[np.float64]
+
+EVIDENCE = 4.0
+"""Gain of log-likelihood by an effect that is evidence of it."""
+SMALLEST_OFFSET = 1e-3
+"""Voltage [V] up to which an amplifier's offset is none."""
+OFFSET_COVERAGE = 5.0
+"""Standard uncertainties by which an offset differs from none before it is one."""
+
+
+class VoltageOffset(NamedTuple):
+    """Voltage that the amplifier adds, and its standard uncertainty [V]."""
+
+    voltage: float
+    uncertainty: float
+
+
+class _Told(NamedTuple):
+    """What a window has told: when it ended [s], what, and which effects the machine had then."""
+
+    time: float
+    machine: MachineKnowledge
+    present: frozenset[int]
+
+
+class MachineMemory:
+    """Remembers what windows have told until a window begins that has no data in common with them.
+
+    A machine has no effect until a window gives evidence of it; from then on it has.
+
+    Parameters
+    ----------
+    motor : MotorParameters
+        The motor, as the twin knows it.
+    """
+
+    def __init__(self, motor: MotorParameters) -> None:
+        self._motor = motor
+        self._told: deque[_Told] = deque()
+        self._known: _Told | None = None
+        self._present = set[int]()
+        self._has_offset = False
+        if motor.coulomb_friction > 0.0:
+            self._present.add(EFFECTS.index("friction_voltage"))
+
+    def before(self, time: float) -> MachineKnowledge:
+        """Return what is known from windows that ended before a time [s]."""
+        while self._told and self._told[0].time < time:
+            self._known = self._told.popleft()
+        known = first_knowledge(self._motor)
+        if self._known is not None:
+            aged = self._known.machine.aged(time - self._known.time)
+            known = aged.forgetting(self._present - self._known.present)
+        return known.without(set(range(len(EFFECTS))) - self._present)
+
+    def learn(self, time: float, machine: MachineKnowledge) -> None:
+        """Remember what a window has told that ended at a time [s]."""
+        self._told.append(_Told(time, machine, frozenset(self._present)))
+
+    def has_evidence(self, evidence: FloatArray) -> bool:
+        """Take the absent effect with most evidence for present; tell whether there is one.
+
+        Parameters
+        ----------
+        evidence : ndarray, shape (4,)
+            Gain of log-likelihood by each of ``EFFECTS``.
+        """
+        gains = evidence.copy()
+        gains[list(self._present)] = 0.0
+        if float(gains.max()) <= EVIDENCE:
+            return False
+        self._present.add(int(gains.argmax()))
+        return True
+
+    def voltage_offset(self, machine: MachineKnowledge) -> VoltageOffset | None:
+        """Return the offset of the amplifier, once there is one.
+
+        An offset that is not told from none is not to be compensated: in a dead zone without
+        friction the motor would creep by the error.
+
+        Parameters
+        ----------
+        machine : MachineKnowledge
+            What the newest window has told.
+        """
+        place = len(FACTORS) + EFFECTS.index("voltage_offset")
+        voltage = float(machine.expected[place])
+        uncertainty = math.sqrt(float(machine.covariance[place, place]))
+        surely = max(OFFSET_COVERAGE * uncertainty, SMALLEST_OFFSET)
+        self._has_offset = self._has_offset or abs(voltage) > surely
+        return VoltageOffset(voltage, uncertainty) if self._has_offset else None

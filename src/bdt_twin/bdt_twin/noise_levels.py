@@ -1,0 +1,113 @@
+"""Search for the levels of a machine's noise: those that make a residual most likely."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_plant.elementary_functions import exponential, logarithm
+from bdt_twin.fixed_order import mean, total
+from bdt_twin.innovations import NoiseLevels, Whitening
+
+FloatArray = NDArray[np.float64]
+
+USUAL_RATIOS = (5.0, 20.0, 0.5)
+"""Levels fast and slow [1/s^0.5] and force [1/s^1.5] over that of the reading to begin with."""
+SMALLEST_GAIN = 0.5
+"""Gain of log-likelihood for which a level is changed."""
+LEVEL_FACTOR = 3.0
+"""Factor by which a level is changed in search of the most likely one."""
+PRODUCT = 8
+"""Values that are multiplied before their logarithm is taken."""
+SMALLEST_NOISE = 1e-11
+"""Standard deviation of a block's mean below which nothing is taken for noise [m]."""
+FROM_MAD = 1.4826
+"""Standard deviation of normal noise over its median absolute deviation."""
+HUBER = 3.0
+"""Standard deviations beyond which an innovation counts linearly."""
+
+
+class FittedLevels(NamedTuple):
+    """Result of a search for the levels of noise.
+
+    Attributes
+    ----------
+    levels : NoiseLevels
+        The most likely ones.
+    prediction_error : float
+        Geometric mean of the innovations' standard deviations with them [m].
+    """
+
+    levels: NoiseLevels
+    prediction_error: float
+
+
+def fitted_levels(
+    make: Callable[[NoiseLevels], Whitening],
+    residual: FloatArray,
+    levels: NoiseLevels,
+    most: int,
+) -> FittedLevels:
+    """Return the levels of noise that make a residual most likely.
+
+    One level after the other is made larger, smaller or nothing, as long as that helps.
+
+    Parameters
+    ----------
+    make : callable
+        Returns the filter for given levels.
+    residual : ndarray, shape (blocks,)
+        Residual [m].
+    levels : NoiseLevels
+        Where to begin.
+    most : int
+        Levels to try at most; of one only their common scale is found.
+    """
+
+    def tried(ratios: FloatArray) -> tuple[float, float]:
+        """Return the logarithm of the prediction error and the scale of all levels."""
+        whitening = make(NoiseLevels(levels.reading, *(levels.reading * ratios).tolist()))
+        innovations = whitening.apply(residual[None, :])[0]
+        scale = max(robust_deviation(innovations), SMALLEST_NOISE / levels.reading)
+        return mean_logarithm(whitening.deviations) + float(logarithm(scale)), scale
+
+    ratios = np.array(levels[1:]) / levels.reading
+    best, scale = tried(ratios)
+    count, improved = 1, True
+    while improved and count < most:
+        improved = False
+        for which, usual in enumerate(USUAL_RATIOS):
+            level = float(ratios[which])
+            values = [0.0, level / LEVEL_FACTOR, level * LEVEL_FACTOR] if level else [usual]
+            for value in values:
+                if count >= most:
+                    break
+                trial = ratios.copy()
+                trial[which] = value
+                found, found_scale = tried(trial)
+                count += 1
+                if found < best - SMALLEST_GAIN / residual.size:
+                    best, scale, ratios, improved = found, found_scale, trial, True
+                    break
+    reading = max(levels.reading * scale, SMALLEST_NOISE)
+    return FittedLevels(
+        NoiseLevels(reading, *(reading * ratios).tolist()), float(exponential(best))
+    )
+
+
+def mean_logarithm(values: FloatArray) -> float:
+    """Return the mean of the logarithms of positive values."""
+    # One logarithm of several values' product, which takes a fraction of the time.
+    middle = float(np.median(values))
+    ratios = np.ones(-(-values.size // PRODUCT) * PRODUCT)
+    ratios[: values.size] = values / middle
+    products = np.multiply.reduce(ratios.reshape(PRODUCT, -1))
+    return float(logarithm(middle)) + total(logarithm(products)) / values.size
+
+
+def robust_deviation(values: FloatArray) -> float:
+    """Return the standard deviation of values whose outliers are brought back."""
+    most = HUBER * max(FROM_MAD * float(np.median(np.abs(values))), 1e-300)
+    return max(math.sqrt(mean(np.square(np.clip(values, -most, most)))), 1e-300)

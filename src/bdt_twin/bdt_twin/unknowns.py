@@ -1,0 +1,56 @@
+"""What the fit of a window looks for, as an object and as a vector."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS
+from bdt_twin.model_factors import FACTORS
+
+FloatArray = NDArray[np.float64]
+
+INITIAL_CONDITION = ("share", "offset", "q2", "q2_velocity", "q3", "q3_velocity")
+"""Unknowns at the beginning of a stretch; see :class:`Unknowns`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """Everything that a fit looks for.
+
+    Attributes
+    ----------
+    gaps : ndarray, shape (knots,)
+        Gap theta_b at the knots, linear between them [rad].
+    factors : ndarray, shape (3,)
+        Natural logarithms of ``model_factors.FACTORS``.
+    initial_conditions : ndarray, shape (stretches, 6)
+        ``INITIAL_CONDITION`` of each stretch: where in the gap the motor is, from -1 to 1 (ends at
+        which it drives the screw backward and forward), the position of the lead screw's end [m],
+        and the structure's positions [m] relative to it and velocities [m/s].
+    effects : ndarray, shape (4,)
+        ``machine_knowledge.EFFECTS``.
+    """
+
+    gaps: FloatArray
+    factors: FloatArray
+    initial_conditions: FloatArray
+    effects: FloatArray = field(default_factory=lambda: np.zeros(len(EFFECTS)))
+
+    def as_vector(self) -> FloatArray:
+        """Return all of them in one array."""
+        parts = (self.gaps, self.factors, self.effects, self.initial_conditions.ravel())
+        return np.concatenate(parts)
+
+    def from_vector(self, vector: FloatArray) -> "Unknowns":
+        """Return the unknowns of a vector, brought back to where they have a meaning."""
+        ends = np.cumsum([self.gaps.size, len(FACTORS), len(EFFECTS)])
+        gaps, factors, effects, rest = np.split(vector, ends)
+        initial_conditions = rest.reshape(self.initial_conditions.shape).copy()
+        np.clip(initial_conditions[:, 0], -1.0, 1.0, out=initial_conditions[:, 0])
+        return Unknowns(
+            np.maximum(gaps, 0.0),
+            np.clip(factors, -1.0, 1.0),
+            initial_conditions,
+            np.clip(effects, *EFFECT_LIMITS),
+        )
