@@ -6,19 +6,40 @@ differentiated, so noise on the position does little harm.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import exponential
 from bdt_plant.plant import PlantModel
 from bdt_twin.block_residual import compiled_means
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
-from bdt_twin.fixed_order import COMPILED, dot, product, standard_deviation
+from bdt_twin.fixed_order import COMPILED, standard_deviation
 from bdt_twin.forward_model import SMALLEST_TRAVEL
+from bdt_twin.gap_of_fit import gap_at, growth_at
+from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
+from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.machine_memory import MachineMemory
+from bdt_twin.model_factors import FACTORS, check_room
+from bdt_twin.output_error_settings import OutputErrorSettings
+from bdt_twin.sensor_saturation import motor_travel_in_saturation
+from bdt_twin.telemetry_window import TelemetryWindow
+from bdt_twin.unknowns import Unknowns
+from bdt_twin.window_loop import compiled_structure, compiled_window
+from bdt_twin.window_model import WindowModel
+from bdt_twin.window_search import fit_window, initial_conditions_at_rest
+
+FloatArray = NDArray[np.float64]
+
+MISFIT = 0.02
+"""Share of the position's motion that is not predicted in a window that is explained."""
+LARGEST_SATURATED_TRAVEL = 2.0
+"""Angle by which the motor may turn, beside twice the gap, while the position is stuck [rad]."""
 
 
+@dataclass(frozen=True, eq=False)
 class AcceptedFit:
     """The last window that taught something.
 
@@ -85,7 +106,14 @@ class OutputErrorEstimator:
         self._block = settings.samples_per_block(sampling_rate)
         self._window = TelemetryWindow(sampling_rate, round(settings.window * sampling_rate))
         # Whatever is not in numba's cache is compiled now, not when the first batch waits.
-        for compiled in (compiled_window, compiled_structure, compiled_means, *COMPILED):
+        for compiled in (
+            compiled_window,
+            compiled_structure,
+            compiled_means,
+            compiled_gains,
+            compiled_innovations,
+            *COMPILED,
+        ):
             compiled()
         self.restart()
 
@@ -181,7 +209,7 @@ class OutputErrorEstimator:
         fit = fit_window(
             window,
             change,
-            self._machine.before(window.stretches[0].first / self._rate),
+            self._known(window),
             predicted,
             error,
             levels,
@@ -191,12 +219,15 @@ class OutputErrorEstimator:
             fit = fit_window(
                 window,
                 change,
-                self._machine.before(window.stretches[0].first / self._rate),
+                self._known(window),
                 fit.unknowns,
                 math.inf,
                 fit.levels,
             )
         return fit
+
+    def _known(self, window: WindowModel) -> MachineKnowledge:
+        return self._machine.before(window.stretches[0].first / self._rate)
 
     def _predict_unknowns(self, window: WindowModel, last: AcceptedFit) -> Unknowns:
         """Return the unknowns that the last fit predicts for a window."""
@@ -227,18 +258,18 @@ class OutputErrorEstimator:
         if fit.prediction_error > MISFIT * motion:
             return self._hold_estimate(
                 time,
-                f"the model does not explain {1e6 * fit.residual:.3g} um "
+                f"the model does not explain {1e6 * fit.prediction_error:.3g} um "
                 f"of a motion of {1e6 * motion:.3g} um",
             )
         # Telemetry may be stamped anywhere between two multiples of the sample time.
         at = reversals[-1] / self._rate
         stamp = time - (newest - reversals[-1]) / self._rate
-        gap, uncertainty = _gap_at(window, fit, at)
+        gap, uncertainty = gap_at(window, fit, at)
         if uncertainty > chosen.largest_uncertainty:
             return self._hold_estimate(
                 time, f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
             )
-        growth, growth_uncertainty = _growth_at(window, fit, at)
+        growth, growth_uncertainty = growth_at(window, fit, at)
         gain = float(exponential(fit.unknowns.factors[FACTORS.index("gain")]))
         estimate = Estimate(
             time=stamp,
@@ -273,29 +304,3 @@ class OutputErrorEstimator:
         )
         uncertainty = math.sqrt(math.fsum(part * part for part in parts))
         return last._replace(uncertainty=uncertainty, reason=reason, age=age)
-
-
-def _gap_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
-    """Return the gap at a time and its standard uncertainty [rad]."""
-    gaps, knots = fit.unknowns.gaps, window.knots
-    weights = window.weights(np.array([at]))[:, 0]
-    # Where growth changes between two knots, the gap is off the straight line between them by up
-    # to an eighth of the change per spacing; the changes found nearby tell how much.
-    knot = int(np.searchsorted(knots, at, side="right")) - 1
-    changes = np.abs(np.diff(gaps, 2))[max(knot - 2, 0) : knot + 1]
-    bend = float(changes.max(initial=0.0)) / 8
-    variance = dot(weights, product(fit.gap_covariance, weights))
-    # What the next step would change is not known yet.
-    pending = dot(weights, fit.pending[: gaps.size])
-    return dot(weights, gaps), math.sqrt(variance + bend * bend + pending * pending)
-
-
-def _growth_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:
-    """Return the growth rate over four knots before a time and its uncertainty [rad/s]."""
-    spacing = float(window.knots[1] - window.knots[0])
-    before = max(at - 4 * spacing, float(window.knots[0]))
-    after = max(at, before + spacing)
-    earlier, later = window.weights(np.array([before, after])).T
-    weights = (later - earlier) / (after - before)
-    uncertainty = math.sqrt(dot(weights, product(fit.gap_covariance, weights)))
-    return dot(weights, fit.unknowns.gaps), uncertainty
