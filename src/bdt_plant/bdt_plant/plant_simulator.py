@@ -2,7 +2,13 @@
 
 import numpy as np
 
-from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, saturated
+from bdt_plant.actuator import (
+    IDEAL_ACTUATOR,
+    ActuatorParameters,
+    amplified,
+    amplifier_of,
+    saturated,
+)
 from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.lead_screw import contact_side
 from bdt_plant.plant import (
@@ -68,7 +74,7 @@ class PlantSimulator:
         # Without a gap the motor drives the screw from the very first sample.
         self.state = AT_REST._replace(contact=contact_side(0.0, 0.0, self._gap))
         self.sample = self.saturated_steps = 0
-        self._voltage_limit = actuator.limit
+        self._amplifier = amplifier_of(actuator)
         self._sensor = Sensor(sensor, sampling.sampling_rate)
         self._reading = self._sensor.read(self.state.structure.q3)
 
@@ -112,15 +118,17 @@ class PlantSimulator:
         -------
         ndarray, shape (samples_per_control_step, 3)
             Telemetry rows (t [s], u [V], q3 [m]) of the samples passed, the first one being the
-            sample at which the voltage was applied: the voltage as applied, q3 as read.
+            sample at which the voltage was applied: the command within the actuator's limit, q3
+            as read.
         """
-        applied = saturated(float(voltage), self._voltage_limit)
-        self.saturated_steps += applied != voltage
+        command = saturated(float(voltage), self._amplifier.limit)
+        self.saturated_steps += command != voltage
+        applied = amplified(command, self._amplifier)
         gaps, rows = self._next_period()
         positions = np.empty(gaps.size)
         self.state = self._period(self.state, applied, gaps, self._step, positions)
         readings = self._sensor.read_all(positions)
-        rows[:, 1] = applied
+        rows[:, 1] = command
         rows[0, 2], rows[1:, 2] = self._reading, readings[:-1]
         self._reading = float(readings[-1])
         self.sample += gaps.size

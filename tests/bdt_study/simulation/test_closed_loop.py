@@ -53,8 +53,8 @@ LABORATORY = Scenario(
     GROWING,
     2.8e-5,
     PlantModel(MotorParameters(coulomb_friction=0.02, viscous_friction=1e-4)),
-    sensor=SensorParameters(1e-6, 1e-7, 1e-3, 0.1, 3),
-    actuator=ActuatorParameters(saturation=True, voltage_limit=8.0),
+    sensor=SensorParameters(1e-6, 1e-7, 1.03e-3, 0.1, 3, 1e-6, 1e-7, 5e-7, 2e-5),
+    actuator=ActuatorParameters(True, 8.0, 0.01, 0.99, 1e-3),
     voltage_limit=9.0,
 )
 """Every imperfection that there is, and a controller that believes in a stronger amplifier."""

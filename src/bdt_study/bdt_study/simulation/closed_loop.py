@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
-from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters
+from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, amplifier_of
 from bdt_plant.gap_profile import GapProfile, gaps_at
 from bdt_plant.plant import PlantModel, Sampling
-from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, noise_sequence
+from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, discretize_sensor, noise_sequence
 from bdt_study.simulation.loop_kernel import (
     IDEAL,
     SIMULATED,
@@ -106,7 +106,7 @@ class Trajectory:
     r : ndarray
         Reference [m] as the controller saw it, held between measurements.
     u : ndarray
-        Motor voltage [V], applied from this sample to the next.
+        Motor voltage [V] as commanded within the actuator's limit, from this sample to the next.
     current, omega_m, theta_m : ndarray
         Current [A], speed [rad/s] and angle [rad] of the motor.
     theta_d : ndarray
@@ -204,14 +204,15 @@ def discrete_loop(scenario: Scenario) -> DiscreteLoop:
     """Return the discrete models of a scenario."""
     return discretize_loop(scenario.model, scenario.gains, scenario.sampling)._replace(
         command_limit=float(scenario.voltage_limit),
-        actuator_limit=scenario.actuator.limit,
-        quantization=float(scenario.sensor.quantization),
+        amplifier=amplifier_of(scenario.actuator),
+        sensor=discretize_sensor(scenario.sensor, scenario.sampling.sampling_rate),
     )
 
 
 def initial_state(scenario: Scenario, inputs: LoopInputs) -> LoopState:
     """Return the state in which a scenario begins."""
-    return loop_at_rest(float(inputs.gaps[0]), scenario.sensor, scenario.sampling.sampling_rate)
+    sensor = discretize_sensor(scenario.sensor, scenario.sampling.sampling_rate)
+    return loop_at_rest(float(inputs.gaps[0]), sensor)
 
 
 def _simulate(

@@ -5,7 +5,6 @@ controller (eqs 4, 5, 7, 8), of sensor and actuator are compiled from outside, s
 nothing of numba, and the kernel gives the floats of the plain Python loop, bit for bit.
 """
 
-import math
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from functools import cache, lru_cache
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 
 from bdt_controller.pid import INITIAL_PID, DiscretePid, PidGains, PidState, discretize_pid
 from bdt_controller.voltage_limit import limited_pid_step
-from bdt_plant.actuator import saturated
+from bdt_plant.actuator import IDEAL_ACTUATOR, Amplifier, amplified, amplifier_of, saturated
 from bdt_plant.compilation import compile_with_steps
 from bdt_plant.lead_screw import contact_side
 from bdt_plant.plant import (
@@ -30,7 +29,8 @@ from bdt_plant.plant import (
     discretize_plant,
     plant_step,
 )
-from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, delay_line, delayed, sensor_reading
+from bdt_plant.sensor import IDEAL_SENSOR, DiscreteSensor, discretize_sensor, sensor_reading
+from bdt_plant.sensor_delay import delay_line
 
 FloatArray = NDArray[np.float64]
 
@@ -47,13 +47,17 @@ class SensorState(NamedTuple):
         Number of the next sample.
     reading : float
         Reading of the sample before [m].
-    line : ndarray, shape (samples of delay,)
-        Positions not yet read [m].
+    line : ndarray
+        Positions that were not yet read, see :func:`bdt_plant.sensor_delay.delay_line` [m].
     """
 
     sample: int
     reading: float
     line: FloatArray
+
+
+IDEAL_DISCRETE = discretize_sensor(IDEAL_SENSOR, 1.0)
+"""The ideal sensor, at any sampling rate."""
 
 
 class LoopState(NamedTuple):
@@ -75,17 +79,17 @@ class DiscreteLoop(NamedTuple):
         Controller.
     command_limit : float
         Voltage limit of the controller [V]; 0 for none.
-    actuator_limit : float
-        Voltage limit of the actuator [V]; infinite for none.
-    quantization : float
-        Quantization of the sensor [m]; 0 for none.
+    amplifier : Amplifier
+        Actuator.
+    sensor : DiscreteSensor
+        Sensor.
     """
 
     plant: DiscretePlant
     pid: DiscretePid
     command_limit: float = 0.0
-    actuator_limit: float = math.inf
-    quantization: float = 0.0
+    amplifier: Amplifier = amplifier_of(IDEAL_ACTUATOR)
+    sensor: DiscreteSensor = IDEAL_DISCRETE
 
 
 IDEAL = np.empty(0)
@@ -133,22 +137,18 @@ def discretize_loop(model: PlantModel, gains: PidGains, sampling: Sampling) -> D
     return DiscreteLoop(plant._replace(pitch=float(plant.pitch)), DiscretePid(*map(float, pid)))
 
 
-def loop_at_rest(
-    gap: float, sensor: SensorParameters = IDEAL_SENSOR, sampling_rate: float = 1.0
-) -> LoopState:
+def loop_at_rest(gap: float, sensor: DiscreteSensor = IDEAL_DISCRETE) -> LoopState:
     """Return the state in which new plant, controller and sensor begin.
 
     Parameters
     ----------
     gap : float
         First gap [rad].
-    sensor : SensorParameters
+    sensor : DiscreteSensor
         The sensor.
-    sampling_rate : float
-        Samples per second [Hz]; of no account for a sensor without delay.
     """
     plant = AT_REST._replace(contact=contact_side(0.0, 0.0, gap))
-    return LoopState(plant, INITIAL_PID, SensorState(0, 0.0, delay_line(sensor, sampling_rate)))
+    return LoopState(plant, INITIAL_PID, SensorState(0, 0.0, delay_line(sensor.delay)))
 
 
 def allocate(samples: int, keep: Collection[str] = SIMULATED) -> tuple[FloatArray, ...]:
@@ -196,7 +196,7 @@ def run_kernel(
     return result
 
 
-COMPILED = (plant_step, limited_pid_step, saturated, delayed, sensor_reading)
+COMPILED = (plant_step, limited_pid_step, saturated, amplified, sensor_reading)
 """Step functions of the cores that the kernel calls."""
 
 
@@ -240,13 +240,14 @@ def _closed_loop(sources: str) -> Callable[..., LoopState]:
         plant, pid, sensor = state
         begin, reading, line = sensor.sample, sensor.reading, sensor.line.copy()
         hold = (gaps.size - 1) // references.size
-        voltage = 0.0
+        voltage = applied = 0.0
         for k in range(references.size):
             for sample in range(k * hold, (k + 1) * hold):
                 position = plant.structure.q3
                 if noises.size > 0:
-                    position = delayed(line, begin + sample, position)
-                    reading = sensor_reading(position, noises[sample], reading, step.quantization)
+                    reading = sensor_reading(
+                        line, begin + sample, position, noises[sample], reading, step.sensor
+                    )
                 else:
                     reading = position
                 if sample == k * hold:
@@ -254,7 +255,8 @@ def _closed_loop(sources: str) -> Callable[..., LoopState]:
                     pid, voltage = limited_pid_step(
                         pid, error, tolerances[k], step.pid, step.command_limit
                     )
-                    voltage = saturated(voltage, step.actuator_limit)
+                    voltage = saturated(voltage, step.amplifier.limit)
+                    applied = amplified(voltage, step.amplifier)
                 u[sample] = voltage
                 current[sample] = plant.motor.current
                 omega_m[sample] = plant.motor.speed
@@ -263,7 +265,7 @@ def _closed_loop(sources: str) -> Callable[..., LoopState]:
                 q2[sample] = plant.structure.q2
                 q3[sample] = plant.structure.q3
                 measured[sample] = reading
-                plant = plant_step(plant, voltage, gaps[sample + 1], step.plant)
+                plant = plant_step(plant, applied, gaps[sample + 1], step.plant)
         return LoopState(plant, pid, SensorState(begin + u.size, reading, line))
 
     return closed_loop
