@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 
 from bdt_msgs_py.quantities import quantity, validate
 from bdt_plant.elementary_functions import sine_of_turns
-from bdt_plant.sensor_delay import DiscreteDelay, delay_line, delayed, discretize_delay
+from bdt_plant.sensor_delay import (
+    DiscreteDelay,
+    between_samples,
+    delay_line,
+    delayed,
+    discretize_delay,
+    recent_positions,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -93,8 +100,8 @@ class DiscreteSensor(NamedTuple):
         Age of a reading.
     quantization : float
         Step between two readings [m]; 0 for none.
-    is_off : bool
-        Whether any of the following errors is there.
+    is_odd : bool
+        Whether there is a delay that is not whole samples, or any of the following errors.
     bias : float
         Error of every reading [m].
     drift : float
@@ -107,7 +114,7 @@ class DiscreteSensor(NamedTuple):
 
     delay: DiscreteDelay
     quantization: float
-    is_off: bool
+    is_odd: bool
     bias: float
     drift: float
     periodic_error: float
@@ -116,10 +123,11 @@ class DiscreteSensor(NamedTuple):
 
 def discretize_sensor(parameters: SensorParameters, sampling_rate: float) -> DiscreteSensor:
     """Return a sensor for samples at `sampling_rate` [Hz]."""
+    delay = discretize_delay(parameters.delay, sampling_rate)
     return DiscreteSensor(
-        discretize_delay(parameters.delay, sampling_rate),
+        delay,
         float(parameters.quantization),
-        parameters.is_off,
+        parameters.is_off or delay.is_between,
         float(parameters.bias),
         parameters.drift / sampling_rate,
         float(parameters.periodic_error),
@@ -135,39 +143,45 @@ def sensor_error(position: float, sample: int, sensor: DiscreteSensor) -> float:
     return error
 
 
-def sensor_reading(
-    line: FloatArray,
-    sample: int,
-    position: float,
-    noise: float,
-    before: float,
-    sensor: DiscreteSensor,
+def seen_position(
+    position: float, sample: int, recent: FloatArray, sensor: DiscreteSensor
 ) -> float:
+    """Return what an odd sensor sees instead of a position [m].
+
+    Parameters
+    ----------
+    position : float
+        Position that came out of the delay line [m].
+    sample : int
+        Number of the sample.
+    recent : ndarray, shape (3,)
+        From :func:`bdt_plant.sensor_delay.recent_positions`; written.
+    sensor : DiscreteSensor
+        From :func:`discretize_sensor`.
+    """
+    seen = between_samples(position, recent, sensor.delay.weights)
+    return seen + sensor_error(seen, sample, sensor)
+
+
+def sensor_reading(position: float, noise: float, before: float, quantization: float) -> float:
     """Return the reading of one sample [m].
 
     Parameters
     ----------
-    line : ndarray
-        From :func:`bdt_plant.sensor_delay.delay_line`; written.
-    sample : int
-        Number of the sample, one more than in the call before.
     position : float
-        True position at that sample [m].
+        Position that the sensor sees, with what it is off there [m].
     noise : float
         Noise of this sample [m]; NaN when it is dropped, see :func:`noise_sequence`.
     before : float
         Reading of the sample before [m].
-    sensor : DiscreteSensor
-        From :func:`discretize_sensor`.
+    quantization : float
+        Step between two readings [m]; 0 for none.
     """
-    seen = delayed(line, sample, position, sensor.delay)
     if math.isnan(noise):
         return before
-    reading = seen + noise
-    if sensor.is_off:
-        reading += sensor_error(seen, sample, sensor)
-    if sensor.quantization > 0.0:
-        return float(np.rint(reading / sensor.quantization)) * sensor.quantization
+    reading = position + noise
+    if quantization > 0.0:
+        return float(np.rint(reading / quantization)) * quantization
     return reading
 
 
@@ -231,7 +245,7 @@ class Sensor:
         self._parameters = parameters
         self._is_ideal = parameters.is_ideal
         self._step = discretize_sensor(parameters, sampling_rate)
-        self._line = delay_line(self._step.delay)
+        self._line, self._recent = delay_line(self._step.delay), recent_positions()
         self._noise: list[float] = []
         self._sample = 0
         self._reading = 0.0
@@ -247,14 +261,15 @@ class Sensor:
         """
         if self._is_ideal:
             return position
-        place = self._sample % BLOCK
+        step, place = self._step, self._sample % BLOCK
         if place == 0:
             self._noise = noise_sequence(self._parameters, self._sample, BLOCK).tolist()
         noise = self._noise[place]
         self.dropped += math.isnan(noise)
-        self._reading = sensor_reading(
-            self._line, self._sample, position, noise, self._reading, self._step
-        )
+        seen = delayed(self._line, self._sample, position)
+        if step.is_odd:
+            seen = seen_position(seen, self._sample, self._recent, step)
+        self._reading = sensor_reading(seen, noise, self._reading, step.quantization)
         self._sample += 1
         return self._reading
 

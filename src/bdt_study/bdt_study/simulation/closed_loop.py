@@ -13,25 +13,23 @@ from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, amplifier_of
 from bdt_plant.gap_profile import GapProfile, gaps_at
-from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.machine import MACHINE_AT_REST
+from bdt_plant.plant import AT_REST, PlantModel, Sampling
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, discretize_sensor, noise_sequence
-from bdt_study.simulation.loop_kernel import (
+from bdt_study.simulation.loop_kernel import SIMULATED, allocate, compiled_loop, run_kernel
+from bdt_study.simulation.loop_model import (
     IDEAL,
-    SIMULATED,
     DiscreteLoop,
     LoopInputs,
     LoopState,
-    allocate,
-    compiled_loop,
     discretize_loop,
     loop_at_rest,
-    run_kernel,
 )
 
 FloatArray = NDArray[np.float64]
 Signal = float | FloatArray | Callable[[float], float]
 
-SIGNALS = ("r", *SIMULATED[:5], "d", "q1", *SIMULATED[5:])
+SIGNALS = ("r", *SIMULATED[:5], "d", *SIMULATED[5:])
 """Signals of a trajectory besides the time."""
 
 
@@ -112,7 +110,7 @@ class Trajectory:
     theta_d : ndarray
         Angle of the lead screw [rad].
     d, q1 : ndarray
-        Position of the lead screw's end (eq. 1) and of platform 1, which follows it [m].
+        Position of the lead screw's end (eq. 1) and of platform 1, which follows a rigid one [m].
     q2, q3 : ndarray
         Positions of platforms 2 and 3 [m].
     measured : ndarray
@@ -212,7 +210,8 @@ def discrete_loop(scenario: Scenario) -> DiscreteLoop:
 def initial_state(scenario: Scenario, inputs: LoopInputs) -> LoopState:
     """Return the state in which a scenario begins."""
     sensor = discretize_sensor(scenario.sensor, scenario.sampling.sampling_rate)
-    return loop_at_rest(float(inputs.gaps[0]), sensor)
+    plant = AT_REST if scenario.model.is_piecewise_linear else MACHINE_AT_REST
+    return loop_at_rest(float(inputs.gaps[0]), sensor, plant)
 
 
 def _simulate(
@@ -228,8 +227,7 @@ def signals_for(scenario: Scenario, keep: Sequence[str]) -> tuple[FloatArray, ..
     unknown = set(keep) - set(SIGNALS)
     if unknown:
         raise ValueError(f"keep = {sorted(unknown)}: must be out of {', '.join(SIGNALS)}")
-    # Platform 1 follows the lead screw.
-    needed = {*keep, "theta_d"} if {"d", "q1"} & set(keep) else set(keep)
+    needed = {*keep, "theta_d"} if "d" in keep else set(keep)
     return allocate(scenario.samples, needed)
 
 
@@ -243,9 +241,8 @@ def trajectory_of(
     }
     if "r" in keep:
         kept["r"] = np.repeat(inputs.references, sampling.samples_per_control_step)
-    if "d" in keep or "q1" in keep:
-        d = scenario.model.lead_screw.pitch * signals[SIMULATED.index("theta_d")]
-        kept |= {name: d for name in ("d", "q1") if name in keep}
+    if "d" in keep:
+        kept["d"] = scenario.model.lead_screw.pitch * signals[SIMULATED.index("theta_d")]
     nothing = np.empty(0)
     return Trajectory(
         _time_axis(scenario.samples, sampling.sampling_rate),
