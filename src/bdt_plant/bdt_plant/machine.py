@@ -3,8 +3,9 @@
 The paper's mechanism has an exact discrete model (:mod:`bdt_plant.plant`). What is not linear has
 not, so each sample is cut into steps. Motor and tower are advanced by their exact linear maps;
 forces and torques that are not linear are held over a step at their value in the middle of it. Dry
-friction is set-valued, as it is there. Where nothing begins or ends within a step the error is of
-second order in the step; a contact or a motion that begins within it is located to the step.
+friction is set-valued, as it is there. The error is of second order in the step, but for two things
+of first order: a contact or a motion that begins within a step, and the beams' damping in the load
+through a rigid screw, which is that of the beginning.
 """
 
 from typing import NamedTuple

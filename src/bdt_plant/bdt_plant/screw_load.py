@@ -35,7 +35,7 @@ class ScrewMechanics:
         "N/m",
         "stiffness k_d of the lead screw, platform 1 then having a mass; 0 for a rigid screw",
         minimum=0.0,
-        maximum=1e12,
+        maximum=1e10,
     )
 
     def __post_init__(self) -> None:
