@@ -57,6 +57,7 @@ def test_what_tunes_the_running_loop_can_be_reconfigured():
     }
     assert reconfigurable == {
         "dead_zone_tolerance",
+        "voltage_offset",
         "proportional",
         "integral",
         "derivative",

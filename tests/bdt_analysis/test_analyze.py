@@ -68,6 +68,7 @@ def test_summary_file_has_the_agreed_fields(analyzed):
         "stated_rms_error_rad",
         "stated_max_error_rad",
         "max_shortfall_rad",
+        "voltage_offset_v",
     }
     assert all(set(step) == STEP_KEYS for step in written["steps"])
 

@@ -1,5 +1,7 @@
 """The controller that runs: what it makes of reference, measurement and reconfiguration."""
 
+from dataclasses import replace
+
 import pytest
 
 from bdt_controller.controller import ControllerSettings, DeadZoneController
@@ -56,6 +58,14 @@ def test_new_gains_act_on_the_integral_so_far():
     assert controller.step(1.0, 1.0) == pytest.approx(6.0 / 500)
 
 
+def test_a_new_offset_acts_on_the_next_step_and_is_what_the_motor_rests_with():
+    controller = DeadZoneController(PidGains(), WITH_DEAD_ZONE)
+    assert (controller.step(5e-3, 4.99e-3), controller.resting_voltage) == (0.0, 0.0)
+    offset = replace(WITH_DEAD_ZONE, voltage_offset=-0.02)
+    controller.configure(PidGains(), offset)
+    assert (controller.step(5e-3, 4.99e-3), controller.resting_voltage) == (-0.02, -0.02)
+
+
 def test_a_reset_forgets_the_past():
     controller = DeadZoneController(PidGains(), WITH_DEAD_ZONE)
     first = [controller.step(5e-3, position) for position in POSITIONS]
@@ -70,6 +80,13 @@ def test_a_reset_forgets_the_past():
         ({"dead_zone_tolerance": 0.2}, r"dead_zone_tolerance = 0\.2 m: must be 0 to 0\.1 m"),
         ({"dead_zone_tolerance": float("nan")}, r"dead_zone_tolerance = nan m: must be 0 to 0\.1"),
         ({"dead_zone_tolerance": True}, r"dead_zone_tolerance = True: must be a number, 0 to 0\.1"),
+        ({"voltage_offset": -10.1}, r"voltage_offset = -10\.1 V: must be -10 to 10 V"),
+        ({"voltage_offset": float("nan")}, r"voltage_offset = nan V: must be -10 to 10 V"),
+        ({"voltage_offset": "0"}, r"voltage_offset = '0': must be a number, -10 to 10 V"),
+        (
+            {"voltage_offset": -3.0, "voltage_limit": 2.0},
+            r"voltage_offset = -3\.0 V: must be within voltage_limit \(2 V\)",
+        ),
         ({"control_rate": 0.0}, r"control_rate = 0\.0 Hz: must be 0\.1 to 1e\+06 Hz"),
         ({"control_rate": float("inf")}, r"control_rate = inf Hz: must be 0\.1 to 1e\+06 Hz"),
     ],

@@ -13,6 +13,7 @@ from sensor_msgs.msg import JointState
 from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.controller_node import ControllerNode
 from bdt_controller.pid import PidGains
+from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import read_position, read_voltage
@@ -21,6 +22,7 @@ from bdt_msgs_py.topics import CLOCK, COMMAND, MEASUREMENT, PLATFORM_JOINT, REFE
 from bdt_msgs_py.writing import motor_voltage, platform_position, stamp_from_nanoseconds
 
 PERIOD = 2_000_000
+SETTINGS = ControllerSettings()
 
 
 class Bench:
@@ -316,6 +318,48 @@ def test_the_dead_zone_is_set_through_the_standard_parameter_service(ros):
     assert bench.measure(2 * PERIOD, 4.7e-3)[1] != 0.0
 
 
+def set_both(bench, tolerance, offset):
+    """Set dead zone and offset in one atomic call."""
+    both = [
+        Parameter("dead_zone_tolerance", value=tolerance),
+        Parameter("voltage_offset", value=offset),
+    ]
+    return bench.ros.result(bench.client.set_parameters_atomically(both)).result
+
+
+def test_dead_zone_and_voltage_offset_are_set_in_one_call(ros):
+    bench = Bench(ros)
+    assert set_both(bench, 2e-4, -0.02).successful
+    assert bench.measure(0, 4.9e-3)[1] == -0.02
+    assert bench.health["voltage_offset_v"] == -0.02
+
+
+@pytest.mark.parametrize(("tolerance", "offset"), [(2e-4, 2.5), (-1.0, 0.02)])
+def test_of_dead_zone_and_voltage_offset_both_are_set_or_neither(ros, tolerance, offset):
+    bench = Bench(ros, voltage_limit=2.0)
+    assert not set_both(bench, tolerance, offset).successful
+    core = DeadZoneController(PidGains(), ControllerSettings(voltage_limit=2.0))
+    assert bench.measure(0, 4.9e-3)[1] == core.step(5e-3, 4.9e-3)
+
+
+def test_the_voltage_offset_is_in_every_command_also_before_the_reference_comes(ros):
+    bench = Bench(ros, reference__kind="topic", voltage_offset=-0.02)
+    assert bench.measure(0, 1e-3)[1] == -0.02
+    assert bench.set("voltage_offset", 0.01).successful
+    assert bench.measure(PERIOD, 1e-3)[1] == 0.01
+
+
+def test_the_motions_of_commissioning_are_those_of_the_core(ros):
+    parameters = {"kind": "commissioning", "first": 1e-3, "largest_speed": 0.01}
+    bench = Bench(ros, use_sim_time=True, **{f"reference__{k}": v for k, v in parameters.items()})
+    profile, core = ReferenceProfile(**parameters), DeadZoneController(PidGains(), SETTINGS)
+    for step in range(995, 1060):
+        r = reference_at(profile, step * PERIOD * 1e-9)
+        assert bench.measure(step * PERIOD, 0.0)[1] == core.step(r, 0.0)
+    ros.spin_until(lambda: bench.references[-1] == (1050 * PERIOD, 1e-3))
+    assert len({position for _, position in bench.references}) == 51
+
+
 def test_gains_can_be_set_while_the_controller_runs(ros):
     bench = Bench(ros)
     assert bench.set("pid.proportional", 0.0).successful
@@ -327,6 +371,9 @@ def test_gains_can_be_set_while_the_controller_runs(ros):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
+        ("voltage_offset", 10.1),
+        ("voltage_offset", math.nan),
+        ("voltage_offset", 1),
         ("dead_zone_tolerance", -1e-6),
         ("dead_zone_tolerance", math.nan),
         ("dead_zone_tolerance", math.inf),
@@ -343,7 +390,8 @@ def test_a_parameter_that_is_not_allowed_is_refused_with_a_reason(ros, name, val
     result = bench.set(name, value)
     assert not result.successful
     assert result.reason
-    assert bench.controller.get_parameter("dead_zone_tolerance").value == 0.0
+    for untouched in ("dead_zone_tolerance", "voltage_offset"):
+        assert bench.controller.get_parameter(untouched).value == 0.0
 
 
 @pytest.mark.parametrize(
@@ -354,7 +402,7 @@ def test_a_parameter_that_is_not_allowed_is_refused_with_a_reason(ros, name, val
         ({"dead_zone_tolerance": 1}, "dead_zone_tolerance = 1: must be a number like 1.0"),
         ({"pid__integral": "big"}, "pid.integral = 'big': must be a number"),
         ({"pid__integrall": 1.0}, "pid.integrall = 1.0: is not a parameter of /controller"),
-        ({"reference__kind": "sine"}, "must be one of square, table, topic"),
+        ({"reference__kind": "sine"}, "must be one of square, table, commissioning, topic"),
         (
             {"reference__kind": "table", "reference__table_times": [0.0, 0.0]},
             "table_positions has 1 values: must have as many as table_times",

@@ -79,7 +79,7 @@ def test_a_reference_from_a_topic_has_no_value_of_its_own():
 @pytest.mark.parametrize(
     ("fault", "text"),
     [
-        ({"kind": "sine"}, r"kind = 'sine': must be one of square, table, topic"),
+        ({"kind": "sine"}, r"kind = 'sine': must be one of square, table, commissioning, topic"),
         ({"first": float("nan")}, r"first = nan m: must be -1000 to 1000 m"),
         ({"second": float("-inf")}, r"second = -inf m: must be -1000 to 1000 m"),
         ({"step_time": 0.0}, r"step_time = 0\.0 s: must be 0\.001 to 1e\+09 s"),

@@ -1,4 +1,4 @@
-"""The limited PID: off it is the PID of the paper, on it does not wind up."""
+"""The limited PID: off it is the PID of the paper, on it does not wind up; its offset."""
 
 import math
 
@@ -17,6 +17,7 @@ STEP = discretize_pid(PidGains(), PERIOD)
 errors = st.floats(-1e-2, 1e-2)
 states = st.builds(PidState, st.floats(-1e-2, 1e-2), st.floats(-1e-2, 1e-2))
 tolerances = st.sampled_from([0.0, 28e-6, 1e-3])
+offsets = st.floats(-1.0, 1.0)
 
 
 @given(states, errors, tolerances)
@@ -24,6 +25,48 @@ def test_without_a_limit_it_is_the_dead_zone_pid_bit_for_bit(state, error, toler
     expected = dead_zone_pid_step(state, error, tolerance, STEP)
     assert limited_pid_step(state, error, tolerance, STEP, 0.0) == expected
     assert limited_pid_step(state, error, tolerance, STEP, 1e6) == expected
+    assert limited_pid_step(state, error, tolerance, STEP, 1e6, 0.0) == expected
+
+
+def test_an_offset_of_zero_keeps_the_sign_of_a_zero():
+    reverse = discretize_pid(PidGains(-1.0, -1.0, -1.0), PERIOD)
+    _, voltage = limited_pid_step(INITIAL_PID, 0.0, 0.0, reverse, 0.0, 0.0)
+    assert math.copysign(1.0, voltage) == -1.0
+
+
+@given(states, errors, tolerances, offsets)
+def test_an_offset_is_added_to_every_voltage_and_the_state_knows_nothing_of_it(
+    state, error, tolerance, offset
+):
+    free, wanted = dead_zone_pid_step(state, error, tolerance, STEP)
+    assert limited_pid_step(state, error, tolerance, STEP, 0.0, offset) == (free, wanted + offset)
+
+
+@pytest.mark.parametrize("offset", [0.02, -0.02])
+def test_in_the_dead_zone_the_offset_is_all(offset):
+    state = PidState(1e-3, 1e-4)
+    after, voltage = limited_pid_step(state, 1e-5, 2e-5, STEP, 24.0, offset)
+    assert (after.integral, voltage) == (state.integral, offset)
+
+
+@given(states, errors, tolerances, st.floats(0.1, 48.0), offsets)
+def test_the_sum_is_what_is_limited(state, error, tolerance, limit, offset):
+    free, wanted = dead_zone_pid_step(state, error, tolerance, STEP)
+    after, voltage = limited_pid_step(state, error, tolerance, STEP, limit, offset)
+    assert voltage == max(-limit, min(limit, wanted + offset))
+    if abs(wanted + offset) <= limit:
+        assert after == free
+
+
+def test_the_integral_stops_at_the_limit_of_the_sum():
+    near = PidState(23.5 / PidGains().integral, 0.0)
+    error = 1e-8
+    free, _ = limited_pid_step(near, error, 0.0, STEP, 24.0)
+    assert free.integral > near.integral
+    held, voltage = limited_pid_step(near, error, 0.0, STEP, 24.0, 1.0)
+    assert (held.integral, voltage) == (near.integral, 24.0)
+    back, _ = limited_pid_step(near, -error, 0.0, STEP, 24.0, 1.0)
+    assert back.integral < near.integral
 
 
 @given(states, errors, tolerances, st.floats(0.1, 48.0))

@@ -20,6 +20,7 @@ from bdt_msgs_py.topics import (
     GAP_AGE_JOINT,
     GAP_JOINT,
     GAP_UNCERTAINTY_JOINT,
+    VOLTAGE_OFFSET_JOINT,
 )
 from bdt_msgs_py.writing import (
     gap_estimate,
@@ -67,7 +68,17 @@ def test_an_estimate_reads_back_with_what_was_asked_for_because_of_it(stamp, age
 
 
 def test_an_estimate_that_asks_for_nothing_has_no_joint_for_it():
-    assert DEAD_ZONE_JOINT not in gap_estimate(0, 0.1, 0.01, 0.0).name
+    message = gap_estimate(0, 0.1, 0.01, 0.0)
+    assert not {DEAD_ZONE_JOINT, VOLTAGE_OFFSET_JOINT} & set(message.name)
+    assert not message.effort
+
+
+@given(values, values)
+def test_a_voltage_offset_that_is_asked_for_reads_back_as_written(tolerance, voltage):
+    message = gap_estimate(5, 0.1, 0.01, 0.0, 0.2, tolerance, voltage)
+    assert read_voltage(message, VOLTAGE_OFFSET_JOINT) == (5, voltage)
+    assert read_position(message, DEAD_ZONE_JOINT) == (5, tolerance)
+    assert len(message.name) == len(message.position) == len(message.velocity)
 
 
 @given(stamps, values)

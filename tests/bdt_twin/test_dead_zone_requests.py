@@ -1,6 +1,7 @@
 """Requests to the controller's parameter service, and which controller is a new one."""
 
 import pytest
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
 from bdt_msgs_py.topics import CONTROLLER_NODE, PARAMETER_EVENTS
@@ -8,6 +9,7 @@ from bdt_twin.dead_zone_requests import DeadZoneRequests
 from bdt_twin.link import Reconfiguration
 
 WIDE = Reconfiguration(due=0, estimated=0, tolerance=3e-5)
+WITH_OFFSET = WIDE._replace(voltage_offset=-0.02)
 
 
 class Asker:
@@ -22,16 +24,17 @@ class Asker:
         self.ended += 1
         self.unanswered.append(unanswered)
 
-    def start_controller(self):
+    def start_controller(self, *others):
         """Start a controller and wait until it can be told from others."""
         known = self.node.count_publishers(PARAMETER_EVENTS.name)
         controller = self.ros.create(Node, CONTROLLER_NODE)
-        controller.declare_parameter("dead_zone_tolerance", 0.0)
+        for name in ("dead_zone_tolerance", *others):
+            controller.declare_parameter(name, 0.0)
         self.ros.spin_until(lambda: self.node.count_publishers(PARAMETER_EVENTS.name) > known)
         return controller
 
-    def ask(self):
-        self.requests.send(WIDE)
+    def ask(self, wanted=WIDE):
+        self.requests.send(wanted)
         self.ros.spin_until(lambda: self.ended)
 
 
@@ -110,6 +113,51 @@ def test_what_had_no_answer_is_given_back_once_unless_it_was_dropped(ros):
     asker.requests.drop()
     ros.spin_until(lambda: asker.ended == 2)
     assert asker.requests.failed == 2
+
+
+def test_dead_zone_and_voltage_offset_are_one_request(ros):
+    asker = Asker(ros)
+    controller = asker.start_controller("voltage_offset")
+    calls = []
+    controller.add_on_set_parameters_callback(
+        lambda changes: calls.append(changes) or SetParametersResult(successful=True)
+    )
+    asker.ask(WITH_OFFSET)
+    asked = [[(change.name, change.value) for change in call] for call in calls]
+    assert asked == [[("dead_zone_tolerance", 3e-5), ("voltage_offset", -0.02)]]
+    assert (asker.requests.accepted, asker.requests.refused_offsets) == (1, 0)
+
+
+def test_a_controller_without_a_voltage_offset_gets_its_dead_zone_all_the_same(ros):
+    asker = Asker(ros)
+    controller = asker.start_controller()
+    asker.ask(WITH_OFFSET)
+    assert in_force(controller) == WIDE.tolerance
+    assert not controller.has_parameter("voltage_offset")
+    requests = asker.requests
+    assert (requests.accepted, requests.failed, requests.refused_offsets) == (1, 0, 1)
+    assert asker.unanswered == [None]
+
+
+def test_a_controller_that_refuses_the_dead_zone_as_well_is_one_failure(ros):
+    asker = Asker(ros)
+    controller = asker.start_controller("voltage_offset")
+    controller.add_on_set_parameters_callback(
+        lambda _: SetParametersResult(successful=False, reason="busy")
+    )
+    asker.ask(WITH_OFFSET)
+    assert (asker.requests.accepted, asker.requests.failed) == (0, 1)
+    assert in_force(controller) == 0.0
+
+
+def test_a_voltage_offset_that_waits_for_the_service_can_be_forgotten(ros):
+    asker = Asker(ros)
+    asker.requests.send(WITH_OFFSET)
+    asker.requests.forget_offset()
+    controller = asker.start_controller("voltage_offset")
+    ros.spin_until(lambda: asker.ended)
+    assert in_force(controller) == WIDE.tolerance
+    assert controller.get_parameter("voltage_offset").value == 0.0
 
 
 @pytest.mark.parametrize("name", ["/left/controller", "controller"])

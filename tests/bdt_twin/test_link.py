@@ -79,6 +79,27 @@ def test_an_older_estimate_that_comes_late_is_dropped():
     assert link.deliver(7) == Reconfiguration(7, 3, 3e-5)
 
 
+def test_dead_zone_and_voltage_offset_travel_together():
+    link = link_with(0.0)
+    link.send(5, 1, 1e-5, -0.01)
+    link.send(3, 2, 2e-5, -0.02)
+    link.send(4, 3, 3e-5)
+    assert link.deliver(3) == Reconfiguration(3, 2, 2e-5, -0.02)
+    assert link.deliver(4) == Reconfiguration(4, 3, 3e-5, None)
+    assert link.deliver(5) is None, "overtaken, and with it its offset"
+
+
+def test_what_is_in_force_is_sent_again_with_the_last_voltage_offset_that_was_delivered():
+    link = link_with(0.0)
+    link.send(1, 1, 1e-5, -0.01)
+    link.deliver(1)
+    link.send(2, 2, 2e-5, -0.02)
+    link.send(3, 3, 3e-5)
+    link.deliver(3)
+    link.send_again(4)
+    assert link.deliver(4) == Reconfiguration(4, 4, 3e-5, -0.01)
+
+
 def test_after_dropping_everything_older_estimates_count_again():
     """Simulated time may have begun anew."""
     link = link_with(0.0)

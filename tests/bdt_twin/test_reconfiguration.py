@@ -29,6 +29,12 @@ def test_an_estimate_becomes_the_dead_zone_of_the_time_at_which_it_arrives():
     assert sent == arrived.tolerance
 
 
+def test_the_voltage_offset_arrives_with_the_dead_zone():
+    twin = reconfigurator()
+    tolerance = twin.send(Estimate(4.0, 0.2), 5 * SECOND, -0.02)
+    assert twin.deliver(7 * SECOND) == Reconfiguration(7 * SECOND, 5 * SECOND, tolerance, -0.02)
+
+
 def test_what_was_sent_is_told_even_if_it_gets_lost():
     rule = DeadZoneRule(DeadZoneSettings(), PITCH)
     twin = Reconfigurator(rule, DelayedLink(LinkSettings(request_loss=1.0)))

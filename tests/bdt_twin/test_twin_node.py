@@ -14,7 +14,7 @@ from std_msgs.msg import Float64MultiArray
 
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.qos import qos_profile
-from bdt_msgs_py.reading import nanoseconds_from_stamp, read_position
+from bdt_msgs_py.reading import nanoseconds_from_stamp, read_position, read_voltage
 from bdt_msgs_py.time_sequence import SILENCE
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
@@ -25,6 +25,7 @@ from bdt_msgs_py.topics import (
     PROGRESS,
     TELEMETRY,
     TELEMETRY_COLUMNS,
+    VOLTAGE_OFFSET_JOINT,
 )
 from bdt_msgs_py.writing import sample_message, stamp_from_nanoseconds
 from bdt_plant.gap_profile import GapProfile
@@ -453,6 +454,82 @@ def test_an_estimator_of_somebody_else_sets_a_dead_zone_with_its_margin(
     assert bench.health["gap_uncertainty_rad"] == 0.01
     assert bench.health["reversals"] == 3
     assert bench.health["estimator"] == "stubborn:Stubborn"
+
+
+OFFSET = """
+from bdt_twin.estimator import Estimate
+
+class Offset:
+    def restart(self):
+        pass
+
+    def update(self, batch):
+        return Estimate(
+            batch[-1, 0], 0.25, voltage_offset=0.02, voltage_offset_uncertainty=0.001
+        )
+"""
+
+
+@pytest.fixture
+def offset_estimator(tmp_path, monkeypatch):
+    (tmp_path / "offset.py").write_text(OFFSET)
+    monkeypatch.chdir(tmp_path)
+    yield "offset:Offset"
+    sys.modules.pop("offset")
+
+
+def test_the_amplifier_s_offset_is_compensated_with_the_dead_zone(ros, telemetry, offset_estimator):
+    bench = Bench(ros, estimator__kind=offset_estimator, communication_delay=0.0)
+    bench.peer.declare_parameter("voltage_offset", 0.0)
+    bench.run(telemetry[:BATCH])
+    ros.spin_until(lambda: bench.health["reconfigurations"] == 1)
+    assert bench.peer.get_parameter("dead_zone_tolerance").value > 0.0
+    assert bench.peer.get_parameter("voltage_offset").value == -0.02
+    assert bench.health["voltage_offset_estimate_v"] == 0.02
+    assert bench.health["voltage_offset_uncertainty_v"] == 0.001
+    ros.spin_until(lambda: bench.messages)
+    assert read_voltage(bench.messages[0], VOLTAGE_OFFSET_JOINT)[1] == -0.02
+
+
+def test_a_controller_without_a_voltage_offset_gets_its_dead_zone(ros, telemetry, offset_estimator):
+    bench = Bench(ros, estimator__kind=offset_estimator, communication_delay=0.0)
+    bench.run(telemetry[:BATCH])
+    ros.spin_until(lambda: bench.health["reconfigurations"] == 1)
+    assert bench.peer.get_parameter("dead_zone_tolerance").value > 0.0
+    assert bench.health["refused_voltage_offsets"] == 1
+    assert bench.health["failed_reconfigurations"] == 0
+
+
+def test_an_offset_that_somebody_has_taken_over_is_left_alone(ros, telemetry, offset_estimator):
+    """Also what is on its way when they do."""
+    bench = Bench(ros, estimator__kind=offset_estimator, communication_delay=0.2)
+    bench.peer.declare_parameter("voltage_offset", 0.0)
+    bench.run(telemetry[:BATCH])
+    ros.spin_until(lambda: bench.twin._reconfigurator.next_due() is not None)
+    (result,) = bench.twin.set_parameters([Parameter("compensate_offset", value=False)])
+    assert result.successful
+    bench.tick(0.4)
+    ros.spin_until(lambda: bench.health["reconfigurations"] == 1)
+    assert bench.peer.get_parameter("dead_zone_tolerance").value > 0.0
+    assert bench.peer.get_parameter("voltage_offset").value == 0.0
+    bench.run(telemetry[BATCH : 2 * BATCH])
+    ros.spin_until(lambda: len(bench.messages) == 2)
+    assert VOLTAGE_OFFSET_JOINT not in bench.messages[1].name
+
+
+def test_a_controller_that_comes_anew_is_sent_the_voltage_offset_as_well(
+    ros, telemetry, offset_estimator
+):
+    bench = Bench(ros, estimator__kind=offset_estimator, communication_delay=0.0)
+    bench.peer.declare_parameter("voltage_offset", 0.0)
+    bench.run(telemetry[:BATCH])
+    ros.spin_until(lambda: bench.health["reconfigurations"] == 1)
+    ros.executor.remove_node(bench.peer)
+    bench.peer.destroy_node()
+    bench.peer = bench.start_controller()
+    bench.peer.declare_parameter("voltage_offset", 0.0)
+    ros.spin_until(lambda: bench.peer.get_parameter("voltage_offset").value == -0.02)
+    assert bench.peer.get_parameter("dead_zone_tolerance").value > 0.0
 
 
 UNSURE = """

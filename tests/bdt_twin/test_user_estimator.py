@@ -221,6 +221,18 @@ def test_a_file_that_is_not_there_is_named_with_the_folder(folder):
             "my_file.py:8: MyEstimator: update returned uncertainty = -1.0: must be at least 0",
         ),
         (
+            ["return Estimate(0.0, 0.1, voltage_offset=float('inf'))"],
+            "my_file.py:8: MyEstimator: update returned voltage_offset = inf: must be finite",
+        ),
+        (
+            ["return Estimate(0.0, 0.1, voltage_offset_uncertainty=float('nan'))"],
+            "my_file.py:8: MyEstimator: update returned voltage_offset_uncertainty = nan: must be ",
+        ),
+        (
+            ["return Estimate(0.0, 0.1, voltage_offset_uncertainty=-1.0)"],
+            "my_file.py:8: MyEstimator: update returned voltage_offset_uncertainty = -1.0: must be",
+        ),
+        (
             ["return Estimate(0.0, 0.1, reason=None)"],
             "my_file.py:8: MyEstimator: update returned reason = None: must be a text",
         ),

@@ -31,6 +31,7 @@ from bdt_msgs_py.topics import (
     TELEMETRY_COLUMNS,
     TRUTH,
     TRUTH_COLUMNS,
+    VOLTAGE_OFFSET_JOINT,
     Topic,
 )
 from bdt_plant.gap_profile import GapProfile
@@ -160,6 +161,7 @@ class Messages:
         *,
         age: float | None = None,
         tolerance: float | None = None,
+        voltage_offset: float | None = None,
     ) -> None:
         """Add an estimate with the joints that are given: any may be missing but the gap."""
         joints = {
@@ -167,10 +169,13 @@ class Messages:
             GAP_UNCERTAINTY_JOINT: uncertainty,
             GAP_AGE_JOINT: age,
             DEAD_ZONE_JOINT: tolerance,
+            VOLTAGE_OFFSET_JOINT: None if voltage_offset is None else 0.0,
         }
         told = {joint: value for joint, value in joints.items() if value is not None}
         message = joint_state(GAP_JOINT, time, position=list(told.values()))
         message.name = list(told)
+        if voltage_offset is not None:
+            message.effort = np.array([0.0] * (len(told) - 1) + [voltage_offset])
         self.add(BACKLASH_ESTIMATE, time, message)
 
     def parameter(

@@ -37,6 +37,10 @@ class RunSignals:
         Rows of (newest sample behind an estimate [s], dead-zone tolerance that the twin asks for
         because of it [m], time for which the estimate is stated [s], gap [rad]) in the order of
         the newest sample; empty when the twin tells none.
+    voltage_offset_requests : ndarray, shape (k, 2)
+        Rows of (newest sample behind an estimate [s], voltage that the twin asks the controller
+        to add to its commands because of it [V]) in the order of the newest sample; empty when it
+        asks for none.
     held_gaps : ndarray, shape (k, 2)
         Rows of (newest sample behind an estimate [s], gap [rad]) in the order of the newest
         sample: the twin holds this gap from then on until the next row; empty when every gap is
@@ -52,6 +56,7 @@ class RunSignals:
     pitch: float | None
     uncertainties: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     requests: FloatArray = field(default_factory=lambda: np.empty((0, 4)))
+    voltage_offset_requests: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     held_gaps: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
 
     @property

@@ -9,7 +9,7 @@ from bdt_msgs_py.quantities import quantity, validate
 
 @dataclass(frozen=True)
 class ControllerSettings:
-    """Rate, dead zone and voltage limit of the controller."""
+    """Rate, dead zone, voltage limit and voltage offset of the controller."""
 
     control_rate: float = quantity(500.0, "Hz", "rate of measurements", minimum=0.1, maximum=1e6)
     dead_zone_tolerance: float = quantity(
@@ -28,9 +28,23 @@ class ControllerSettings:
         minimum=0.0,
         maximum=1e6,
     )
+    voltage_offset: float = quantity(
+        0.0,
+        "V",
+        "voltage added to every command, in the dead zone as well, against an offset of the "
+        "amplifier: -0.02 for an amplifier that adds 0.02",
+        minimum=-10.0,
+        maximum=10.0,
+        reconfigurable=True,
+    )
 
     def __post_init__(self) -> None:
         validate(self)
+        if self.voltage_limit and abs(self.voltage_offset) > self.voltage_limit:
+            raise ValueError(
+                f"ControllerSettings.voltage_offset = {self.voltage_offset!r} V: must be within "
+                f"voltage_limit ({self.voltage_limit:g} V)"
+            )
 
 
 class DeadZoneController:
@@ -41,7 +55,7 @@ class DeadZoneController:
     gains : PidGains
         Gains of eq. 4.
     settings : ControllerSettings
-        Rate, dead zone and voltage limit.
+        Rate, dead zone, voltage limit and voltage offset.
     """
 
     def __init__(self, gains: PidGains, settings: ControllerSettings) -> None:
@@ -49,17 +63,23 @@ class DeadZoneController:
         self.reset()
 
     def configure(self, gains: PidGains, settings: ControllerSettings) -> None:
-        """Take new gains and a new dead zone from the next step on; the state stays."""
+        """Take new gains, dead zone and offset from the next step on; the state stays."""
         self._step = discretize_pid(gains, 1.0 / settings.control_rate)
         self._tolerance = settings.dead_zone_tolerance
         self._limit = settings.voltage_limit
+        self._offset = settings.voltage_offset
+
+    @property
+    def resting_voltage(self) -> float:
+        """Voltage with which nothing is to move [V]: none but the offset."""
+        return self._offset
 
     def reset(self) -> None:
         """Forget the past errors."""
         self._state = INITIAL_PID
 
     def step(self, reference: float, position: float) -> float:
-        """Return the motor voltage [V] for one measurement (eqs 4 to 8).
+        """Return the motor voltage [V] to command for one measurement (eqs 4 to 8).
 
         Parameters
         ----------
@@ -67,6 +87,11 @@ class DeadZoneController:
             Reference r and measured position q3 of platform 3 [m].
         """
         self._state, voltage = limited_pid_step(
-            self._state, reference - position, self._tolerance, self._step, self._limit
+            self._state,
+            reference - position,
+            self._tolerance,
+            self._step,
+            self._limit,
+            self._offset,
         )
         return voltage

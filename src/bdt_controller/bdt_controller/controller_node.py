@@ -96,7 +96,7 @@ class ControllerNode(Node):
         self._controller.reset()
         self._first_stamp: int | None = None
         self._last_stamp = -1
-        self._voltage = 0.0
+        self._voltage = self._controller.resting_voltage
 
     # Measurements --------------------------------------------------------------------------
 
@@ -133,11 +133,11 @@ class ControllerNode(Node):
         self._voltage = self._next_voltage(stamp, position)
 
     def _next_voltage(self, stamp: int, position: float) -> float:
-        """Return the voltage that answers a measurement; zero while there is no reference."""
+        """Return the voltage that answers a measurement: rest while there is no reference."""
         if self._reference.kind != "topic":
             self._follow_reference(stamp)
         if self._reference_position is None:
-            return 0.0
+            return self._controller.resting_voltage
         return self._controller.step(self._reference_position, position)
 
     def _command_source(self) -> str:
@@ -212,6 +212,7 @@ class ControllerNode(Node):
         values = {
             "dead_zone_tolerance_m": self._settings.dead_zone_tolerance,
             "dead_zone_set_by": self._dead_zone_set_by,
+            "voltage_offset_v": self._settings.voltage_offset,
             "reference_m": self._reference_position,
             "reference_began_s": None if self._first_stamp is None else self._first_stamp * 1e-9,
             "missed_measurements": self._missed,

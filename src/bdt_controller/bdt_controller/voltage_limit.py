@@ -1,4 +1,4 @@
-"""Limited voltage with conditional integration: the integral does not wind up."""
+"""What is commanded: the PID's voltage with an offset, limited so that nothing winds up."""
 
 import math
 
@@ -7,13 +7,18 @@ from bdt_controller.pid import DiscretePid, PidState
 
 
 def limited_pid_step(
-    state: PidState, error: float, tolerance: float, step: DiscretePid, limit: float
+    state: PidState,
+    error: float,
+    tolerance: float,
+    step: DiscretePid,
+    limit: float,
+    offset: float = 0.0,
 ) -> tuple[PidState, float]:
-    """Advance the dead-zone PID by one control period and limit its voltage.
+    """Advance the dead-zone PID by one control period, add an offset and limit the sum.
 
     While the voltage is limited, an error that would drive it further beyond the limit is not
     integrated (conditional integration; Åström and Hägglund, Advanced PID Control, 3.5). With
-    `limit` zero this is eqs 5, 7 and 8 alone.
+    `limit` and `offset` zero this is eqs 5, 7 and 8 alone.
 
     Parameters
     ----------
@@ -27,15 +32,20 @@ def limited_pid_step(
         From :func:`bdt_controller.pid.discretize_pid`.
     limit : float
         Largest voltage of either sign [V]; zero for none.
+    offset : float
+        Voltage added to every command, in the dead zone as well [V].
 
     Returns
     -------
     state : PidState
         State after.
     voltage : float
-        u_dz within the limit [V].
+        u_dz + offset within the limit [V].
     """
     following, voltage = dead_zone_pid_step(state, error, tolerance, step)
+    # Without one the very bits stay: -0.0 + 0.0 is 0.0.
+    if offset != 0.0:
+        voltage += offset
     if limit == 0.0 or abs(voltage) <= limit:
         return following, voltage
     if step.integral * error * voltage > 0.0:

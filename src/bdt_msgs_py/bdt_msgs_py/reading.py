@@ -44,15 +44,15 @@ def read_position(message: Any, joint: str) -> tuple[int, float]:
     return nanoseconds_from_stamp(message.header.stamp), float(message.position[index])
 
 
-def read_voltage(message: Any) -> tuple[int, float]:
-    """Return ``(stamp [ns], motor voltage [V])`` of a command.
+def read_voltage(message: Any, joint: str = MOTOR_JOINT) -> tuple[int, float]:
+    """Return ``(stamp [ns], voltage [V])`` of `joint` in a JointState: the motor's of a command.
 
     Raises
     ------
     MessageRejectedError
-        If the message does not carry the joint ``motor`` once, with an effort for each joint.
+        If the message does not carry that joint once, with an effort for each joint.
     """
-    index = _index_of(message, MOTOR_JOINT, "effort")
+    index = _index_of(message, joint, "effort")
     return nanoseconds_from_stamp(message.header.stamp), float(message.effort[index])
 
 

@@ -78,8 +78,9 @@ BACKLASH_ESTIMATE = Topic(
     "joint backlash_gap: position = estimate [rad], velocity = its growth rate [rad/s]; joint "
     "backlash_gap_standard_uncertainty: position [rad]; joint backlash_gap_age: position = time "
     "from the stamp to the newest sample behind the estimate [s]; joint dead_zone_tolerance: "
-    "position = dead zone that the twin asks for [m], left out when it only estimates; stamp = "
-    "time for which the gap is stated",
+    "position = dead zone that the twin asks for [m], left out when it only estimates; joint "
+    "voltage_offset: effort = voltage that the controller is asked to add to its commands [V], "
+    "left out when it is not; stamp = time for which the gap is stated",
     transient_local=True,
     depth=1,
 )
@@ -126,6 +127,7 @@ GAP_JOINT = "backlash_gap"
 GAP_UNCERTAINTY_JOINT = "backlash_gap_standard_uncertainty"
 GAP_AGE_JOINT = "backlash_gap_age"
 DEAD_ZONE_JOINT = "dead_zone_tolerance"
+VOLTAGE_OFFSET_JOINT = "voltage_offset"
 
 TELEMETRY_COLUMNS = ("t[s]", "u[V]", "q3[m]")
 TRUTH_COLUMNS = (
@@ -143,3 +145,4 @@ CONTROLLER_NODE = "controller"
 TWIN_NODE = "twin"
 RECORDER_NODE = "recorder"
 DEAD_ZONE_PARAMETER = "dead_zone_tolerance"
+VOLTAGE_OFFSET_PARAMETER = "voltage_offset"

@@ -17,6 +17,7 @@ from bdt_msgs_py.topics import (
     GAP_UNCERTAINTY_JOINT,
     MOTOR_JOINT,
     PLATFORM_JOINT,
+    VOLTAGE_OFFSET_JOINT,
 )
 
 
@@ -46,6 +47,7 @@ def gap_estimate(
     growth: float,
     age: float = 0.0,
     tolerance: float | None = None,
+    voltage_offset: float | None = None,
 ) -> JointState:
     """Return an estimate of the backlash gap; what belongs to it stands in joints of its own.
 
@@ -61,15 +63,22 @@ def gap_estimate(
         Time from the stamp to the newest sample behind the estimate [s].
     tolerance : float or None
         Dead-zone tolerance that is asked for because of the estimate [m]; None for none.
+    voltage_offset : float or None
+        Voltage that the controller is asked to add to its commands [V]; None for none.
     """
     joints = {GAP_JOINT: gap, GAP_UNCERTAINTY_JOINT: uncertainty, GAP_AGE_JOINT: age}
     if tolerance is not None:
         joints[DEAD_ZONE_JOINT] = tolerance
+    effort: tuple[float, ...] = ()
+    if voltage_offset is not None:
+        effort = (*[0.0] * len(joints), voltage_offset)
+        joints[VOLTAGE_OFFSET_JOINT] = 0.0
     return JointState(
         header=Header(stamp=stamp_from_nanoseconds(stamp)),
         name=list(joints),
         position=array("d", joints.values()),
         velocity=array("d", (growth, *[0.0] * (len(joints) - 1))),
+        effort=array("d", effort),
     )
 
 

@@ -51,7 +51,7 @@ class DeadZoneDelivery:
     ) -> None:
         self._node, self._reconfigurator = node, reconfigurator
         self._progressed = progressed
-        self._reconfigure = settings.reconfigure
+        self._settings = settings
         self._arrival_timer: Timer | None = None
         controller = settings.controller_node
         self.in_force = DeadZoneWatch(node, controller, self._set_by_somebody_else, reject).state
@@ -61,12 +61,14 @@ class DeadZoneDelivery:
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(PROGRESS_PERIOD, self._look_for_controller, clock=steady)
 
-    def reconfigure(self, is_wanted: bool) -> None:
-        """Reconfigure from now on, or leave the dead zone to whoever has taken it over."""
-        self._reconfigure = is_wanted
-        if not is_wanted:
-            # Whoever has taken the dead zone over is not to be surprised by what is on its way.
+    def use(self, settings: TwinSettings) -> None:
+        """Reconfigure from now on what the settings say, and leave the rest to somebody else."""
+        self._settings = settings
+        # Whoever has taken something over is not to be surprised by what is on its way.
+        if not settings.reconfigure:
             self.restart()
+        if not settings.compensate_offset:
+            self.requests.forget_offset()
 
     def restart(self) -> None:
         """Forget what is on its way and what is in force."""
@@ -87,6 +89,8 @@ class DeadZoneDelivery:
         now = self._node.get_clock().now().nanoseconds
         arrived = self._reconfigurator.deliver(now) or unanswered
         if arrived is not None:
+            if not self._settings.compensate_offset:
+                arrived = arrived._replace(voltage_offset=None)
             self.in_force.request(arrived.tolerance)
             self.requests.send(arrived)
             return
@@ -106,7 +110,7 @@ class DeadZoneDelivery:
 
     def _look_for_controller(self) -> None:
         """Send what is in force to a controller that has just come, and knows nothing of it."""
-        if not (self.requests.controller_appeared() and self._reconfigure):
+        if not (self.requests.controller_appeared() and self._settings.reconfigure):
             return
         if self._reconfigurator.send_again(self._node.get_clock().now().nanoseconds):
             self._node.get_logger().info("a new controller: the dead zone in force is sent again")
@@ -114,7 +118,7 @@ class DeadZoneDelivery:
             self._progressed()
 
     def _set_by_somebody_else(self, text: str) -> None:
-        if self._reconfigure:
+        if self._settings.reconfigure:
             self._node.get_logger().warning(
                 f"{text}: the next estimate sets it again while reconfigure is true",
                 throttle_duration_sec=1.0,

@@ -1,8 +1,10 @@
 """Requests to the controller's parameter service: asked, answered, refused or given up."""
 
 from collections.abc import Callable
+from typing import TypeAlias
 
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -10,9 +12,15 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 from rclpy.timer import Timer
 
-from bdt_msgs_py.topics import DEAD_ZONE_PARAMETER, PARAMETER_EVENTS
+from bdt_msgs_py.topics import (
+    DEAD_ZONE_PARAMETER,
+    PARAMETER_EVENTS,
+    VOLTAGE_OFFSET_PARAMETER,
+)
 from bdt_twin.dead_zone_watch import full_name
 from bdt_twin.link import Reconfiguration
+
+Response: TypeAlias = SetParameters.Response | SetParametersAtomically.Response
 
 LOOK_PERIOD = 0.05
 """Wall time [s] between two looks for a service that is not there yet."""
@@ -20,6 +28,9 @@ LOOK_PERIOD = 0.05
 
 class DeadZoneRequests:
     """Sets the controller's dead zone, one request at a time; nothing here waits.
+
+    A voltage offset is set together with the dead zone or not at all. A controller that refuses
+    both may be somebody else's, without this parameter: it is asked for the dead zone alone.
 
     Parameters
     ----------
@@ -39,6 +50,8 @@ class DeadZoneRequests:
         What is being asked for.
     accepted, failed : int
         Number of requests.
+    refused_offsets : int
+        Number of times that the controller refused a voltage offset.
     """
 
     def __init__(
@@ -53,15 +66,15 @@ class DeadZoneRequests:
         self._client = AsyncParameterClient(node, controller)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timers: list[Timer] = []
-        self._answer: Future[SetParameters.Response] | None = None
+        self._answer: Future[Response] | None = None
         self._publishers: set[tuple[int, ...]] = set()
         self._asked: set[tuple[int, ...]] = set()
         self._is_there = self._is_dropped = False
         self.in_flight: Reconfiguration | None = None
-        self.accepted = self.failed = 0
+        self.accepted = self.failed = self.refused_offsets = 0
 
     def send(self, reconfiguration: Reconfiguration) -> None:
-        """Ask the controller for a dead zone."""
+        """Ask the controller for a dead zone, and for what goes with it."""
         self.in_flight, self._is_dropped = reconfiguration, False
         self._timers = [self._node.create_timer(self._timeout, self._give_up, clock=self._steady)]
         self._ask()
@@ -85,6 +98,11 @@ class DeadZoneRequests:
         if self._answer is None:
             self._clear()
 
+    def forget_offset(self) -> None:
+        """Ask for the dead zone alone, as far as nothing was asked for yet."""
+        if self.in_flight is not None and self._answer is None:
+            self.in_flight = self.in_flight._replace(voltage_offset=None)
+
     def _found_publishers(self) -> set[tuple[int, ...]]:
         return {
             tuple(one.endpoint_gid)
@@ -94,31 +112,55 @@ class DeadZoneRequests:
 
     def _ask(self) -> None:
         """Send the request once the service is there: before, it would be lost."""
-        if self.in_flight is None or self._answer is not None:
+        wanted = self.in_flight
+        if wanted is None or self._answer is not None:
             return
         self._is_there = self._is_there or self._client.services_are_ready()
         if not self._is_there:
             return
         self._asked = self._found_publishers()
-        value = self.in_flight.tolerance
-        request = Parameter(DEAD_ZONE_PARAMETER, Parameter.Type.DOUBLE, value)
-        self._answer = self._client.set_parameters([request])
+        dead_zone = Parameter(DEAD_ZONE_PARAMETER, Parameter.Type.DOUBLE, wanted.tolerance)
+        if wanted.voltage_offset is None:
+            self._answer = self._client.set_parameters([dead_zone])
+        else:
+            offset = Parameter(
+                VOLTAGE_OFFSET_PARAMETER, Parameter.Type.DOUBLE, wanted.voltage_offset
+            )
+            self._answer = self._client.set_parameters_atomically([dead_zone, offset])
         self._answer.add_done_callback(self._take_answer)
 
-    def _take_answer(self, answer: "Future[SetParameters.Response]") -> None:
+    def _take_answer(self, answer: "Future[Response]") -> None:
         if answer is not self._answer or answer.cancelled():
             return
-        response = answer.result()
-        if response is None or len(response.results) != 1:
+        result = _result_of(answer.result())
+        if result is None:
             return  # not an answer: the timeout will count it
+        if self._is_refused_offset(result):
+            self._ask_without_offset(result.reason)
+            return
         # Whoever has answered knows the dead zone, and needs it no second time for being new.
         self._publishers |= self._asked
-        (result,) = response.results
         if result.successful:
             self.accepted += 1
         else:
             self._fail(f"the controller refused the dead zone: {result.reason}")
         self._end()
+
+    def _is_refused_offset(self, result: SetParametersResult) -> bool:
+        wanted = self.in_flight
+        has_offset = wanted is not None and wanted.voltage_offset is not None
+        return has_offset and not result.successful and not self._is_dropped
+
+    def _ask_without_offset(self, reason: str) -> None:
+        self.refused_offsets += 1
+        self._node.get_logger().warning(
+            f"the controller refused the voltage offset, and is asked for the dead zone alone: "
+            f"{reason}",
+            throttle_duration_sec=60.0,
+        )
+        self._answer = None
+        self.forget_offset()
+        self._ask()
 
     def _give_up(self) -> None:
         if self._answer is not None:
@@ -140,3 +182,13 @@ class DeadZoneRequests:
         for timer in self._timers:
             self._node.destroy_timer(timer)
         self._timers = []
+
+
+def _result_of(response: Response | None) -> SetParametersResult | None:
+    """Return whether the request was met; None for a response that does not tell."""
+    if isinstance(response, SetParametersAtomically.Response):
+        return response.result
+    if response is None or len(response.results) != 1:
+        return None
+    (result,) = response.results
+    return result

@@ -33,6 +33,9 @@ class Estimate(NamedTuple):
     age : float
         Time from `time` to the newest sample that was looked at [s]; 0 from an estimator that
         states the gap for its newest sample.
+    voltage_offset, voltage_offset_uncertainty : float
+        Voltage that the amplifier adds to the command and its standard uncertainty [V]; infinite
+        as long as nothing is known of it, and from an estimator that does not look for it.
     """
 
     time: float
@@ -44,11 +47,20 @@ class Estimate(NamedTuple):
     reversals: int = 0
     reason: str = ""
     age: float = 0.0
+    voltage_offset: float = 0.0
+    voltage_offset_uncertainty: float = math.inf
 
     @property
     def is_known(self) -> bool:
         """Whether there is a gap at all."""
         return math.isfinite(self.gap)
+
+    @property
+    def compensation(self) -> float | None:
+        """Voltage that cures the amplifier's offset [V]; None as long as that is not known."""
+        # Subtracted from zero: there is no offset of -0.0.
+        is_known = math.isfinite(self.voltage_offset_uncertainty)
+        return 0.0 - self.voltage_offset if is_known else None
 
 
 class TelemetryRejectedError(ValueError):
@@ -95,5 +107,7 @@ def estimate_values(estimate: Estimate | None) -> dict[str, float | int | str | 
         "gap_growth_rad_per_s": estimate.growth,
         "gain_correction": estimate.gain_correction,
         "reversals": estimate.reversals,
+        "voltage_offset_estimate_v": estimate.voltage_offset,
+        "voltage_offset_uncertainty_v": estimate.voltage_offset_uncertainty,
         "nothing_learned_because": estimate.reason,
     }

@@ -93,7 +93,7 @@ def expected_delay(settings: LinkSettings) -> float:
 
 
 class Reconfiguration(NamedTuple):
-    """A dead-zone tolerance on its way to the controller.
+    """What the controller is to be set to, on its way there.
 
     Attributes
     ----------
@@ -103,11 +103,14 @@ class Reconfiguration(NamedTuple):
         Stamp of the newest sample behind it [ns].
     tolerance : float
         Dead-zone tolerance epsilon_dz [m].
+    voltage_offset : float or None
+        Voltage that the controller is to add to its commands [V]; None to leave that as it is.
     """
 
     due: int
     estimated: int
     tolerance: float
+    voltage_offset: float | None = None
 
 
 class DelayedLink:
@@ -135,7 +138,7 @@ class DelayedLink:
         self._draws = np.random.default_rng((settings.link_seed, 1))
         self._pending: list[Reconfiguration] = []
         self._newest: int | None = None
-        self._in_force: float | None = None
+        self._in_force: Reconfiguration | None = None
         self.lost = self.overtaken = 0
 
     @property
@@ -143,8 +146,17 @@ class DelayedLink:
         """Delay that the sender has to reckon with [s]."""
         return self._expected
 
-    def send(self, now: int, estimated: int, tolerance: float) -> int | None:
-        """Send a tolerance at the time `now` [ns].
+    def send(
+        self, now: int, estimated: int, tolerance: float, voltage_offset: float | None = None
+    ) -> int | None:
+        """Send a reconfiguration.
+
+        Parameters
+        ----------
+        now : int
+            Time of sending [ns].
+        estimated, tolerance, voltage_offset
+            See :class:`Reconfiguration`.
 
         Returns
         -------
@@ -156,7 +168,7 @@ class DelayedLink:
         if self._loss and self._draws.random() < self._loss:
             self.lost += 1
             return None
-        heapq.heappush(self._pending, Reconfiguration(due, estimated, tolerance))
+        heapq.heappush(self._pending, Reconfiguration(due, estimated, tolerance, voltage_offset))
         return due
 
     def send_again(self, now: int) -> int | None:
@@ -175,7 +187,8 @@ class DelayedLink:
         if self._in_force is None or self._newest is None:
             return None
         # Newer than what was delivered, older than whatever is learned from more telemetry.
-        return self.send(now, self._newest + 1, self._in_force)
+        in_force = self._in_force
+        return self.send(now, self._newest + 1, in_force.tolerance, in_force.voltage_offset)
 
     def deliver(self, now: int) -> Reconfiguration | None:
         """Return the newest of what has arrived at `now` [ns] and forget the older ones.
@@ -187,9 +200,10 @@ class DelayedLink:
             arrived = heapq.heappop(self._pending)
             if self._newest is None or arrived.estimated > self._newest:
                 delivered, self._newest = arrived, arrived.estimated
-                self._in_force = arrived.tolerance
             else:
                 self.overtaken += 1
+        if delivered is not None:
+            self._in_force = _after(self._in_force, delivered)
         return delivered
 
     def next_due(self) -> int | None:
@@ -224,3 +238,10 @@ class DelayedLink:
         while len(self._drawn) <= number:
             self._drawn.append(round(next(self._delays) * 1e9))
         return self._drawn[number]
+
+
+def _after(before: Reconfiguration | None, arrived: Reconfiguration) -> Reconfiguration:
+    """Return what is in force after an arrival, which may leave the voltage offset as it was."""
+    if before is None or arrived.voltage_offset is not None:
+        return arrived
+    return arrived._replace(voltage_offset=before.voltage_offset)

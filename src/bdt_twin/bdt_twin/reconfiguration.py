@@ -6,7 +6,7 @@ from bdt_twin.link import DelayedLink, Reconfiguration
 
 
 class Reconfigurator:
-    """Sends the dead zone that an estimate asks for over the slow link.
+    """Sends what an estimate asks for over the slow link.
 
     Parameters
     ----------
@@ -25,8 +25,20 @@ class Reconfigurator:
         """Whether the gap is so unsure that its bound, not doubt, sets the dead zone."""
         return self._rule.is_bounded
 
-    def send(self, estimate: Estimate, now: int) -> float | None:
-        """Send a dead zone at the time `now` [ns], unless nothing is known of the gap.
+    def send(
+        self, estimate: Estimate, now: int, voltage_offset: float | None = None
+    ) -> float | None:
+        """Send a dead zone, unless nothing is known of the gap.
+
+        Parameters
+        ----------
+        estimate : Estimate
+            What is known.
+        now : int
+            Time of sending [ns].
+        voltage_offset : float or None
+            Voltage that the controller is to add to its commands [V], sent with the dead zone;
+            None to leave that as it is.
 
         Returns
         -------
@@ -37,7 +49,7 @@ class Reconfigurator:
             return None
         effective = now * 1e-9 + self._link.expected_delay
         tolerance = self._rule.tolerance(estimate, effective)
-        self._link.send(now, now, tolerance)
+        self._link.send(now, now, tolerance, voltage_offset)
         return tolerance
 
     def send_again(self, now: int) -> bool:

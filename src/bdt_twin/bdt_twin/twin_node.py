@@ -183,10 +183,11 @@ class TwinNode(Node):
     def _use(self, estimate: Estimate) -> None:
         self._estimates += 1
         self._estimate = estimate
-        tolerance = None
+        tolerance = offset = None
         if self._settings.reconfigure:
             was_bounded = self._reconfigurator.is_bounded
-            tolerance = self._reconfigurator.send(estimate, self._telemetry_end)
+            offset = estimate.compensation if self._settings.compensate_offset else None
+            tolerance = self._reconfigurator.send(estimate, self._telemetry_end, offset)
             if self._reconfigurator.is_bounded and not was_bounded:
                 self.get_logger().warning(BOUNDED)
         if estimate.is_known:
@@ -198,6 +199,7 @@ class TwinNode(Node):
                     estimate.growth,
                     estimate.age,
                     tolerance,
+                    offset,
                 )
             )
         if self._settings.reconfigure:
@@ -214,7 +216,7 @@ class TwinNode(Node):
 
     def _use_parameters(self, changes: list[Parameter]) -> None:
         self._settings = reconfigured(self._settings, "", changes)
-        self._delivery.reconfigure(self._settings.reconfigure)
+        self._delivery.use(self._settings)
         self._publish_progress()
 
     def _publish_progress(self) -> None:
@@ -261,11 +263,13 @@ class TwinNode(Node):
             "telemetry_lag_s": (self._received - self._telemetry_end) * 1e-9,
             "window_time_s": self._window_time,
             "reconfigure": self._settings.reconfigure,
+            "compensate_offset": self._settings.compensate_offset,
             "dead_zone_in_force_m": self._delivery.in_force.tolerance,
             "dead_zone_set_by": self._delivery.in_force.set_by,
             "dead_zone_at_bound": is_bounded,
             "reconfigurations": self._delivery.requests.accepted,
             "failed_reconfigurations": self._delivery.requests.failed,
+            "refused_voltage_offsets": self._delivery.requests.refused_offsets,
             "lost_reconfigurations": self._link.lost,
             "overtaken_reconfigurations": self._link.overtaken,
         }

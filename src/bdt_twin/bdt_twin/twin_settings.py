@@ -13,6 +13,13 @@ class TwinSettings:
     reconfigure: bool = quantity(
         True, "", "set the controller's dead zone; false to estimate only", reconfigurable=True
     )
+    compensate_offset: bool = quantity(
+        True,
+        "",
+        "set the controller's voltage_offset with the dead zone, against an offset of the "
+        "amplifier that the estimator knows; false to leave it alone",
+        reconfigurable=True,
+    )
     controller_node: str = quantity(CONTROLLER_NODE, "", "name of the node whose dead zone is set")
     service_timeout: float = quantity(
         2.0,

@@ -24,7 +24,9 @@ from bdt_twin.estimator import Estimate, TelemetryRejectedError
 MAY_BE_NAN = ("gap", "uncertainty")
 """Numbers of an estimate that may be unknown."""
 
-NOT_NEGATIVE = ("uncertainty", "growth_uncertainty", "age")
+NOT_NEGATIVE = ("uncertainty", "growth_uncertainty", "age", "voltage_offset_uncertainty")
+
+MAY_BE_INFINITE = ("uncertainty", "voltage_offset_uncertainty")
 
 
 class UserEstimatorError(BadInputError):
@@ -233,4 +235,4 @@ def _fault_of(name: str, value: Any) -> str:
         return "at least 0"
     if math.isfinite(number) or (name in MAY_BE_NAN and math.isnan(number)):
         return ""
-    return "" if name == "uncertainty" else "finite"
+    return "" if name in MAY_BE_INFINITE and not math.isnan(number) else "finite"

@@ -1,5 +1,7 @@
 """Errors of the estimate with known answers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -37,6 +39,13 @@ def test_nothing_is_known_without_truth_or_estimates(known_run):
     assert found.stated_rms_error_rad is None
     assert found.stated_max_error_rad is None
     assert found.max_shortfall_rad is None
+    assert found.voltage_offset_v is None
+
+
+def test_the_voltage_offset_is_the_one_that_was_asked_for_last(known_run):
+    asked = np.array([[1.0, -0.05], [2.0, -0.02]])
+    run = replace(known_run([[1.0, 0.3]]), voltage_offset_requests=asked)
+    assert summarize_estimate(run).voltage_offset_v == -0.02
 
 
 def test_lag_is_known_without_truth(known_run, pitch):

@@ -26,6 +26,21 @@ def test_square_wave():
     assert not any(step.cut for step in steps)
 
 
+def test_a_ramp_is_one_step_that_is_judged_where_it_has_arrived():
+    ramp = [(10 + 0.01 * k, 1e-3 * k) for k in range(201)]
+    steps = steps_of([(0, 0.0), *ramp, (16, 0.1)], 0, 26)
+    assert [step.t_start for step in steps] == pytest.approx([0, 10.01, 16])
+    assert [step.reference for step in steps] == pytest.approx([0.0, 0.2, 0.1])
+    assert [step.height for step in steps[1:]] == pytest.approx([0.2, 0.1])
+    assert [step.window for step in steps] == pytest.approx([3.0, 2.0, 3.0])
+
+
+def test_a_ramp_that_the_recording_cuts_is_not_judged():
+    ramp = [(10 + 0.01 * k, 1e-3 * k) for k in range(201)]
+    last = steps_of([(0, 0.0), *ramp], 0, 11)[-1]
+    assert (last.window, last.cut) == (0.0, True)
+
+
 def test_first_height_is_the_distance_from_the_first_position():
     assert steps_of([(0, 5e-3)], 0, 10, 1e-3)[0].height == pytest.approx(4e-3)
 

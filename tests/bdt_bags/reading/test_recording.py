@@ -137,6 +137,24 @@ def test_requests_that_are_not_finite_are_left_out(signal, tmp_path):
     assert requests.tolist() == [[3.0, 4e-5, 3.0, 0.2]]
 
 
+def test_the_voltage_offsets_that_the_twin_asked_for_are_read_with_the_newest_sample(
+    signal, tmp_path
+):
+    signal.estimate(1.0, 0.1, age=0.0, tolerance=4e-5)
+    signal.estimate(2.0, 0.2, age=0.5, tolerance=4e-5, voltage_offset=-0.02)
+    signal.estimate(3.0, 0.2, age=0.0, tolerance=4e-5, voltage_offset=np.nan)
+    recording = load_recording(signal.write(tmp_path / "bag"))
+    assert recording.voltage_offset_requests.tolist() == [[2.5, -0.02]]
+    assert len(recording.requests) == 3
+
+
+def test_an_estimate_that_tells_a_voltage_offset_without_a_value_is_an_error(signal, tmp_path):
+    signal.estimate(1.0, 0.1, tolerance=4e-5, voltage_offset=-0.02)
+    signal.items[-1][3].effort = np.empty(0)
+    with pytest.raises(BagError, match=r"message 0 of /backlash_estimate: .* voltage_offset once"):
+        load_recording(signal.write(tmp_path / "bag"))
+
+
 def test_an_estimate_that_tells_a_dead_zone_twice_is_an_error(signal, tmp_path):
     signal.estimate(1.0, 0.1, tolerance=4e-5)
     _, _, _, message = signal.items[-1]

@@ -70,7 +70,7 @@ def run_with(dead_zones, duration=24.0):
     tolerances = np.asarray(dead_zones(np.arange(scenario.control_steps) / 500.0))
     loop = simulate(replace(scenario, dead_zone=tolerances))
     assert isinstance(loop, Trajectory)
-    return scenario, TwinTrajectory(loop, tolerances, ())
+    return scenario, TwinTrajectory(loop, tolerances, (), np.zeros_like(tolerances))
 
 
 def judged(dead_zones):

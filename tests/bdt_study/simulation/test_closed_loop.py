@@ -56,6 +56,7 @@ LABORATORY = Scenario(
     sensor=SensorParameters(1e-6, 1e-7, 1.03e-3, 0.1, 3, 1e-6, 1e-7, 5e-7, 2e-5),
     actuator=ActuatorParameters(True, 8.0, 0.01, 0.99, 1e-3),
     voltage_limit=9.0,
+    voltage_offset=0.03,
 )
 """Every imperfection of sensor and amplifier, and a controller that believes in a stronger one."""
 
@@ -86,7 +87,8 @@ def python_loop(scenario, dead_zones):
     controller = DeadZoneController(scenario.gains, ControllerSettings(control_rate=rate))
     rows = []
     for tolerance in dead_zones:
-        controller.configure(scenario.gains, ControllerSettings(rate, float(tolerance), limit))
+        settings = ControllerSettings(rate, float(tolerance), limit, scenario.voltage_offset)
+        controller.configure(scenario.gains, settings)
         r = reference_at(scenario.reference, plant.time)
         t, theta_m, theta_d, _, *q = plant.truth()
         motor = plant.state.motor
@@ -148,6 +150,16 @@ def test_a_mechanism_that_is_not_linear_stops_and_goes_on_as_one():
     whole = simulate(MACHINE)
     for index, name in enumerate(SIMULATED):
         assert_same_bits(np.concatenate([part[index] for part in parts]), getattr(whole, name))
+
+
+def test_the_voltage_offset_may_change_at_any_measurement():
+    offsets = np.where(np.arange(500) < 250, 0.0, -0.02)
+    scenario = Scenario(1.0, 0.0, 0.1, 1e-3)
+    trajectory = simulate(dataclasses.replace(scenario, voltage_offset=offsets), ("u",))
+    assert_same_bits(trajectory.u, np.repeat(offsets, 10))
+    assert_same_bits(
+        simulate(dataclasses.replace(scenario, voltage_offset=0)).q3, simulate(scenario).q3
+    )
 
 
 def test_the_ideal_sensor_measures_the_position():
@@ -284,6 +296,7 @@ def test_whole_numbers_are_floats():
         ({"reference": np.zeros(499)}, "reference"),
         ({"gap": np.zeros(5000)}, "gap"),
         ({"dead_zone": np.zeros((500, 1))}, "dead_zone"),
+        ({"voltage_offset": np.zeros(499)}, "voltage_offset"),
     ],
 )
 def test_an_array_of_another_length_is_refused(arguments, name):

@@ -129,6 +129,56 @@ def test_any_estimator_will_do_and_the_dead_zone_is_a_bound_when_it_takes_effect
     assert run.tolerances[-1] == pytest.approx(bound * PlantModel().lead_screw.pitch, rel=1e-12)
 
 
+class KnowsTheAmplifier(Certain):
+    """An estimator that finds that the amplifier adds 20 mV, from 2 s on."""
+
+    def update(self, batch, *, newest_only=False):
+        time = float(batch[-1, 0])
+        estimate = Estimate(time, 0.2 + 0.01 * time)
+        found = {"voltage_offset": 0.02, "voltage_offset_uncertainty": 1e-3}
+        return estimate._replace(**found) if time > 2.0 else estimate
+
+
+def test_the_amplifier_s_offset_is_compensated_with_the_dead_zone_from_its_arrival_on():
+    run = simulate_with_twin(SCENARIO, KnowsTheAmplifier(), link(0.33))
+    first = int(np.flatnonzero(run.voltage_offsets)[0])
+    assert first / 500.0 == pytest.approx(2.1 + 0.33, abs=0.002)
+    assert set(run.voltage_offsets[first:]) == {-0.02}
+    assert run.tolerances[first] != run.tolerances[first - 1]
+    again = simulate(
+        dataclasses.replace(SCENARIO, dead_zone=run.tolerances, voltage_offset=run.voltage_offsets)
+    )
+    assert again.u.tobytes() == run.loop.u.tobytes()
+    assert np.any(run.loop.u == -0.02), "the command in the dead zone"
+
+
+def test_without_compensation_or_knowledge_the_offset_of_the_scenario_stays():
+    scenario = dataclasses.replace(SCENARIO, voltage_offset=0.01)
+    known = simulate_with_twin(scenario, KnowsTheAmplifier(), compensate_offset=False)
+    assert set(known.voltage_offsets) == {0.01}
+    unknown = simulate_with_twin(scenario, Certain())
+    assert set(unknown.voltage_offsets) == {0.01}
+
+
+def test_a_motor_that_creeps_in_the_dead_zone_rests_once_the_offset_is_compensated():
+    """An amplifier that adds 50 mV, which a plant that is told of the sum stands for."""
+
+    def travel_at_rest(voltage_offset):
+        plant = PlantSimulator(PlantModel(), GapProfile("constant", 0.2), Sampling())
+        settings = ControllerSettings(
+            dead_zone_tolerance=2.0 * PITCH * 0.2, voltage_offset=voltage_offset
+        )
+        controller = DeadZoneController(PidGains(), settings)
+        angles = []
+        for _ in range(5000):
+            plant.advance(controller.step(1e-3, plant.position) + 0.05)
+            angles.append(plant.truth()[1])
+        return np.ptp(angles[-1000:])
+
+    assert travel_at_rest(-0.05) < 1e-6
+    assert travel_at_rest(0.0) > 0.1
+
+
 def test_a_loop_that_has_rested_for_long_follows_the_next_step_and_learns_again():
     """Laboratory.yaml's dead zone; doubt that grows 250 times as fast stands for a long rest."""
     changes = [*range(0, 16, 4), 60, 64, 68]

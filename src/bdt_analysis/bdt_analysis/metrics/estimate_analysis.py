@@ -34,6 +34,9 @@ class EstimateSummary:
         newest sample behind an estimate until that of the next one [rad]; 0 when it never does,
         None without truth or estimates. A bound of the gap has to make up for it, and for what
         the gap grows during the communication delay.
+    voltage_offset_v : float or None
+        Voltage that the twin asked the controller to add to its commands last, against an offset
+        of the amplifier [V]; None when it asked for none.
     """
 
     rms_error_rad: float | None
@@ -42,6 +45,7 @@ class EstimateSummary:
     stated_rms_error_rad: float | None
     stated_max_error_rad: float | None
     max_shortfall_rad: float | None
+    voltage_offset_v: float | None
 
 
 def estimate_errors(
@@ -94,6 +98,7 @@ def summarize_estimate(run: RunSignals, holes: FloatArray = NO_HOLES) -> Estimat
     stated = live_gap_estimates(run).error
     stated = stated[np.isfinite(stated)]
     lags = reconfiguration_lags(run)
+    offsets = run.voltage_offset_requests
     return EstimateSummary(
         rms_error_rad=_rms(in_force),
         max_error_rad=_largest(np.abs(in_force)),
@@ -101,6 +106,7 @@ def summarize_estimate(run: RunSignals, holes: FloatArray = NO_HOLES) -> Estimat
         stated_rms_error_rad=_rms(stated),
         stated_max_error_rad=_largest(np.abs(stated)),
         max_shortfall_rad=_largest(np.maximum(-held, 0.0)),
+        voltage_offset_v=float(offsets[-1, 1]) if len(offsets) else None,
     )
 
 

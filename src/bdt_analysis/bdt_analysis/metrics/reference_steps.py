@@ -16,13 +16,15 @@ NEGLIGIBLE_HEIGHT = 1e-3
 MISSED_BEGINNING = 0.1
 """Part of a step that may be missing at the beginning of a recording."""
 
+MOTION = 0.05
+"""Time [s] between two changes of the reference below which they are parts of one step: a ramp."""
 
 NO_HOLES: FloatArray = np.empty((0, 2))
 
 
 @dataclass(frozen=True)
 class ReferenceStep:
-    """An interval with a constant reference.
+    """An interval with a constant reference, after it has moved there at once or as a ramp.
 
     Attributes
     ----------
@@ -38,8 +40,9 @@ class ReferenceStep:
         Height on which an oscillation is judged [m]: its own or, without one, that of the
         highest step or, if no step has any, the largest reference.
     window : float
-        Length of the end on which the step is judged [s]: 3 s, or half of a step shorter than
-        6 s, so that a window never begins with the transient at full size.
+        Length of the end on which the step is judged [s]: 3 s, or half of the time for which a
+        reference holds that is constant for less than 6 s, so that a window never begins with the
+        transient at full size.
     cut : bool
         True for a last step that the end of the recording cuts too short to be judged.
     holed : bool
@@ -94,11 +97,12 @@ def find_steps(
     if not len(reference):
         return []
     begin, end = telemetry[0, 0], telemetry[-1, 0] + sample_time
-    rows, unsure = _changes(reference, holes[:, 0])
+    rows, reached, unsure = _changes(reference, holes[:, 0])
     # A step shorter than a sample time was never seen by the controller.
     ends = np.append(rows[1:, 0], end)
     inside = (ends > begin + 0.5 * sample_time) & (rows[:, 0] < end - 0.5 * sample_time)
-    rows, ends, unsure = rows[inside], np.minimum(ends[inside], end), unsure[inside]
+    rows, reached, unsure = rows[inside], reached[inside], unsure[inside]
+    ends = np.minimum(ends[inside], end)
     if not len(rows):
         return []
     heights = _heights(rows, ends, unsure, telemetry)
@@ -108,6 +112,7 @@ def find_steps(
         highest = 0.0  # the run begins where it stays
     known = heights > NEGLIGIBLE_HEIGHT * highest
     lengths = ends - np.maximum(rows[:, 0], begin)
+    holds = np.maximum(ends - np.maximum(reached, begin), 0.0)
     enough = min(2 * WINDOW, lengths[:-1].min(initial=np.inf)) if len(rows) > 1 else 0.0
     steps = []
     for k, (start, value) in enumerate(rows.tolist()):
@@ -120,7 +125,7 @@ def find_steps(
                 reference=value,
                 height=height,
                 scale=scale,
-                window=float(min(WINDOW, 0.5 * lengths[k])),
+                window=float(min(WINDOW, 0.5 * holds[k])),
                 cut=k == len(rows) - 1 and bool(lengths[k] < enough - sample_time),
                 holed=bool(((holes[:, 0] < ends[k]) & (holes[:, 1] > start)).any()),
             )
@@ -128,10 +133,13 @@ def find_steps(
     return steps
 
 
-def _changes(reference: FloatArray, holes: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Return the rows at which the value changes, and whether a hole lies before them.
+def _changes(
+    reference: FloatArray, holes: FloatArray
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Return the steps' beginnings and values, when each is reached, and which follow a hole.
 
-    Of several rows at one time the last one holds.
+    Of several rows at one time the last one holds, and of several in a row that are no further
+    apart than those of a ramp.
     """
     last_of_time = np.append(np.diff(reference[:, 0]) > 0, True)
     rows = reference[last_of_time]
@@ -139,7 +147,11 @@ def _changes(reference: FloatArray, holes: FloatArray) -> tuple[FloatArray, NDAr
     unsure = np.zeros(len(rows), dtype=np.bool_)
     unsure[behind[behind < len(rows)]] = True
     changed = np.concatenate([[True], np.diff(rows[:, 1]) != 0]) | unsure
-    return rows[changed], unsure[changed]
+    rows, unsure = rows[changed], unsure[changed]
+    first = np.flatnonzero(np.concatenate([[True], np.diff(rows[:, 0]) > MOTION]) | unsure)
+    last = np.append(first[1:], len(rows)) - 1
+    steps = np.stack([rows[first, 0], rows[last, 1]], axis=1)
+    return steps, rows[last, 0], unsure[first]
 
 
 def _heights(

@@ -111,6 +111,11 @@ def _estimate_table(recording: Recording, summary: Summary) -> Table:
         ("reconfigurations", number(summary.reconfigurations, ".0f"), ""),
         ("dead zone at the end", number(final, ".2f", 1e6), "µm"),
         ("dead zone at the end, as a gap", number(angle, ".2f", degrees), "deg"),
+        (
+            "voltage offset asked for last",
+            number(errors.voltage_offset_v, ".1f", 1e3),
+            "mV",
+        ),
         ("true gap at the end", number(gap, ".2f", degrees), "deg"),
     )
     return Table(

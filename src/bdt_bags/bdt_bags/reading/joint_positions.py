@@ -1,4 +1,4 @@
-"""Positions of joints in a bag: references, estimates, and the dead zones asked for with them."""
+"""Joints in a bag: references, estimates, and what was asked for because of them."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from bdt_bags.bag_error import BagError
 from bdt_bags.reading.bag_reader import RawBag, decode
 from bdt_bags.reading.sample_rows import LARGEST_VALUE
-from bdt_msgs_py.reading import read_position
+from bdt_msgs_py.reading import read_position, read_voltage
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
     DEAD_ZONE_JOINT,
     GAP_AGE_JOINT,
     GAP_JOINT,
+    VOLTAGE_OFFSET_JOINT,
     Topic,
 )
 
@@ -82,6 +83,37 @@ def dead_zone_requests(bag: RawBag, clock: Clock) -> FloatArray:
     """
     times, ages, tolerances, gaps = _rows(bag, BACKLASH_ESTIMATE, _read_request, clock, 4).T
     return _in_order(np.stack([times + ages, tolerances, times, gaps], axis=1))
+
+
+def voltage_offset_requests(bag: RawBag, clock: Clock) -> FloatArray:
+    """Return the voltage offsets that the twin asked for, as it tells them with its estimates.
+
+    Parameters
+    ----------
+    bag : RawBag
+        The bag.
+    clock : callable
+        See :data:`Clock`.
+
+    Returns
+    -------
+    ndarray, shape (k, 2)
+        See :class:`bdt_bags.run_signals.RunSignals`.
+
+    Raises
+    ------
+    BagError
+        If a message contradicts itself.
+    """
+
+    def read(message: Any) -> tuple[int, float, float] | None:
+        if VOLTAGE_OFFSET_JOINT not in message.name:
+            return None
+        stamp, voltage = read_voltage(message, VOLTAGE_OFFSET_JOINT)
+        return stamp, _age(message), voltage
+
+    times, ages, voltages = _rows(bag, BACKLASH_ESTIMATE, read, clock, 3).T
+    return _in_order(np.stack([times + ages, voltages], axis=1))
 
 
 def held_gaps(bag: RawBag, clock: Clock) -> FloatArray:

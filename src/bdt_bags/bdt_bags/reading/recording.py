@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 
 from bdt_bags.bag_error import BagError
 from bdt_bags.reading.bag_reader import RawBag, decode, read_bag
-from bdt_bags.reading.joint_positions import dead_zone_requests, held_gaps, joint_positions
+from bdt_bags.reading.joint_positions import (
+    dead_zone_requests,
+    held_gaps,
+    joint_positions,
+    voltage_offset_requests,
+)
 from bdt_bags.reading.parameter_log import (
     diagnosed_dead_zones,
     parameter_changes,
@@ -184,6 +189,7 @@ def load_recording(
             bag, BACKLASH_ESTIMATE, GAP_UNCERTAINTY_JOINT, clock.times, optional=True
         ),
         requests=dead_zone_requests(bag, clock.times),
+        voltage_offset_requests=voltage_offset_requests(bag, clock.times),
         held_gaps=held_gaps(bag, clock.times),
         dead_zones=dead_zones,
         reconfigurations=reconfigurations,

@@ -31,6 +31,7 @@ from bdt_msgs_py.topics import (
     TELEMETRY_COLUMNS,
     TRUTH,
     TRUTH_COLUMNS,
+    VOLTAGE_OFFSET_JOINT,
     Topic,
 )
 
@@ -169,6 +170,8 @@ def _read_estimate(message: Any) -> tuple[int, float]:
     for joint in (GAP_UNCERTAINTY_JOINT, GAP_AGE_JOINT, DEAD_ZONE_JOINT):
         if joint in message.name:
             read_position(message, joint)
+    if VOLTAGE_OFFSET_JOINT in message.name:
+        read_voltage(message, VOLTAGE_OFFSET_JOINT)
     return read_position(message, GAP_JOINT)
 
 

@@ -59,6 +59,8 @@ class Scenario:
         Amplifier of the motor.
     voltage_limit : float
         Largest voltage that the controller commands [V]; 0 for no limit.
+    voltage_offset : float, ndarray of shape (control steps,) or callable
+        Voltage [V] that the controller adds to its command at each measurement.
 
     Notes
     -----
@@ -75,6 +77,7 @@ class Scenario:
     sensor: SensorParameters = IDEAL_SENSOR
     actuator: ActuatorParameters = IDEAL_ACTUATOR
     voltage_limit: float = 0.0
+    voltage_offset: Signal = 0.0
 
     def __post_init__(self) -> None:
         if self.control_steps < 1:
@@ -187,7 +190,7 @@ def simulate_batch(
 
 
 def sample_inputs(scenario: Scenario) -> LoopInputs:
-    """Return reference, dead zone and gap at the instants at which the loop asks for them."""
+    """Return what acts on the loop at the instants at which the loop asks for it."""
     steps, samples = scenario.control_steps, scenario.samples
     rate, hold = scenario.sampling.sampling_rate, scenario.sampling.samples_per_control_step
     return LoopInputs(
@@ -195,6 +198,7 @@ def sample_inputs(scenario: Scenario) -> LoopInputs:
         _sampled("dead_zone", scenario.dead_zone, steps, hold, rate),
         _sampled("gap", scenario.gap, samples + 1, 1, rate),
         IDEAL if scenario.sensor.is_ideal else noise_sequence(scenario.sensor, 0, samples),
+        _sampled("voltage_offset", scenario.voltage_offset, steps, hold, rate),
     )
 
 

@@ -148,6 +148,7 @@ def _loop_around(plant_step: Any, first_platform: Any, sources: str) -> Callable
         tolerances: FloatArray,
         gaps: FloatArray,
         noises: FloatArray,
+        offsets: FloatArray,
         u: FloatArray,
         current: FloatArray,
         omega_m: FloatArray,
@@ -177,8 +178,9 @@ def _loop_around(plant_step: Any, first_platform: Any, sources: str) -> Callable
                     reading = position
                 if sample == k * hold:
                     error = references[k] - reading
+                    offset = offsets[k] if offsets.size > 0 else 0.0
                     pid, voltage = limited_pid_step(
-                        pid, error, tolerances[k], step.pid, step.command_limit
+                        pid, error, tolerances[k], step.pid, step.command_limit, offset
                     )
                     voltage = saturated(voltage, step.amplifier.limit)
                     applied = amplified(voltage, step.amplifier)

@@ -84,6 +84,8 @@ class DiscreteLoop(NamedTuple):
 IDEAL = np.empty(0)
 IDEAL.flags.writeable = False
 """Noise of the ideal sensor, which has none."""
+NO_OFFSET = IDEAL
+"""Offsets of a controller that adds none."""
 
 
 class LoopInputs(NamedTuple):
@@ -98,12 +100,15 @@ class LoopInputs(NamedTuple):
     noises : ndarray, shape (samples,)
         Noise of the sensor at each sample [m], NaN where a sample is dropped; empty for a sensor
         that is ideal and reads the true position.
+    offsets : ndarray, shape (control steps,)
+        Voltage that the controller adds to each command [V]; empty for none.
     """
 
     references: FloatArray
     tolerances: FloatArray
     gaps: FloatArray
     noises: FloatArray = IDEAL
+    offsets: FloatArray = NO_OFFSET
 
     def between(self, first: int, last: int) -> "LoopInputs":
         """Return what acts on the loop from measurement `first` to before measurement `last`."""
@@ -113,6 +118,7 @@ class LoopInputs(NamedTuple):
             self.tolerances[first:last],
             self.gaps[first * hold : last * hold + 1],
             self.noises[first * hold : last * hold],
+            self.offsets[first:last],
         )
 
 

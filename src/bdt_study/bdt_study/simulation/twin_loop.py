@@ -43,11 +43,14 @@ class TwinTrajectory:
         Dead-zone tolerance epsilon_dz in force at each measurement [m].
     estimates : tuple of Estimate
         What the estimator said.
+    voltage_offsets : ndarray, shape (control steps,)
+        Voltage that the controller adds to its command at each measurement [V].
     """
 
     loop: Trajectory
     tolerances: FloatArray
     estimates: tuple[Estimate, ...]
+    voltage_offsets: FloatArray
 
     @property
     def estimate_times(self) -> FloatArray:
@@ -67,13 +70,16 @@ def simulate_with_twin(
     dead_zone: DeadZoneSettings = EQUATION_9,
     telemetry_period: float = 0.1,
     keep: Sequence[str] = SIGNALS,
+    *,
+    compensate_offset: bool = True,
 ) -> TwinTrajectory:
     """Simulate the reconfigurable controller (figures 5 and 7).
 
     Parameters
     ----------
     scenario : Scenario
-        The loop; its dead zone holds until the first reconfiguration arrives.
+        The loop; its dead zone holds until the first reconfiguration arrives, and so does its
+        voltage offset.
     estimator : Estimator, optional
         Fresh estimator; None for the paper's, with the scenario's model and sampling rate.
     link : LinkSettings
@@ -84,11 +90,14 @@ def simulate_with_twin(
         Time covered by one batch of telemetry [s], rounded to whole control periods.
     keep : sequence of str
         Signals of the loop to keep, out of ``SIGNALS``; u and measured are always kept.
+    compensate_offset : bool
+        Whether the controller is to be set against an offset of the amplifier that the estimator
+        knows.
 
     Returns
     -------
     TwinTrajectory
-        Loop, dead zone and estimates.
+        Loop, dead zone, voltage offset and estimates.
     """
     sampling = scenario.sampling
     rate, hold = sampling.sampling_rate, sampling.samples_per_control_step
@@ -100,35 +109,46 @@ def simulate_with_twin(
         settings = InverseFilterSettings(sampling_rate=rate)
         estimator = InverseFilterEstimator(scenario.model, settings)
     rule = DeadZoneRule(dead_zone, scenario.model.lead_screw.pitch)
-    twin = _Twin(estimator, rule, DelayedLink(link))
+    twin = _Twin(estimator, Reconfigurator(rule, DelayedLink(link)), compensate_offset)
 
-    tolerances = inputs.tolerances.copy()
+    tolerances, offsets = inputs.tolerances.copy(), inputs.offsets.copy()
     stamps = np.rint(np.arange(scenario.control_steps) * hold * 1e9 / rate).astype(np.int64)
     batch = max(round(telemetry_period * sampling.control_rate), 1)
     for first in range(0, scenario.control_steps, batch):
         steps = slice(first, min(first + batch, scenario.control_steps))
         samples = slice(steps.start * hold, steps.stop * hold)
-        twin.set_dead_zones(stamps[steps], tolerances[steps])
-        between = inputs.between(steps.start, steps.stop)._replace(tolerances=tolerances[steps])
+        twin.reconfigure(stamps[steps], tolerances[steps], offsets[steps])
+        between = inputs.between(steps.start, steps.stop)._replace(
+            tolerances=tolerances[steps], offsets=offsets[steps]
+        )
         state = run_kernel(state, step, between, tuple(signal[samples] for signal in signals))
         times = np.arange(samples.start, samples.stop) / rate
         twin.take_telemetry(np.column_stack([times, u[samples], measured[samples]]))
     return TwinTrajectory(
-        trajectory_of(scenario, inputs, signals, keep), tolerances, tuple(twin.estimates)
+        trajectory_of(scenario, inputs, signals, keep),
+        tolerances,
+        tuple(twin.estimates),
+        offsets,
     )
 
 
 class _Twin:
     """Estimator, link and dead zone, as the twin's node puts them together."""
 
-    def __init__(self, estimator: Estimator, rule: DeadZoneRule, link: DelayedLink) -> None:
+    def __init__(
+        self, estimator: Estimator, reconfigurator: Reconfigurator, compensates: bool
+    ) -> None:
         self._estimator = estimator
-        self._reconfigurator = Reconfigurator(rule, link)
-        self._in_force: float | None = None
+        self._reconfigurator = reconfigurator
+        self._compensates = compensates
+        self._tolerance: float | None = None
+        self._offset: float | None = None
         self.estimates: list[Estimate] = []
 
-    def set_dead_zones(self, stamps: NDArray[np.int64], tolerances: FloatArray) -> None:
-        """Set the tolerances in force at the next measurements.
+    def reconfigure(
+        self, stamps: NDArray[np.int64], tolerances: FloatArray, offsets: FloatArray
+    ) -> None:
+        """Set what is in force at the next measurements.
 
         Parameters
         ----------
@@ -136,19 +156,28 @@ class _Twin:
             Times of the measurements [ns].
         tolerances : ndarray, shape (n,)
             Tolerances without the twin [m]; overwritten from the first reconfiguration on.
+        offsets : ndarray, shape (n,)
+            Voltage offsets without the twin [V]; overwritten from the first one that it sets.
         """
-        if self._in_force is not None:
-            tolerances[:] = self._in_force
+        if self._tolerance is not None:
+            tolerances[:] = self._tolerance
+        if self._offset is not None:
+            offsets[:] = self._offset
         while (due := self._reconfigurator.next_due()) is not None and due <= stamps[-1]:
             first = int(np.searchsorted(stamps, due))
             arrived = self._reconfigurator.deliver(int(stamps[first]))
             if arrived is not None:
-                self._in_force = arrived.tolerance
-                tolerances[first:] = self._in_force
+                self._tolerance = arrived.tolerance
+                tolerances[first:] = self._tolerance
+            if arrived is not None and arrived.voltage_offset is not None:
+                self._offset = arrived.voltage_offset
+                offsets[first:] = self._offset
 
     def take_telemetry(self, rows: FloatArray) -> None:
         """Estimate from the rows (t [s], u [V], q3 [m]) of a batch, and send (eq. 9)."""
         estimate = self._estimator.update(rows)
         if estimate is not None:
             self.estimates.append(estimate)
-            self._reconfigurator.send(estimate, nanoseconds_from_seconds(rows[-1, 0]))
+            offset = estimate.compensation if self._compensates else None
+            end = nanoseconds_from_seconds(rows[-1, 0])
+            self._reconfigurator.send(estimate, end, offset)
