@@ -261,8 +261,9 @@ def test_a_batch_is_its_scenarios_one_by_one():
     scenarios = [
         Scenario(0.5, REFERENCE, GapProfile("constant", gap), 1e-5) for gap in (0.0, 0.1, 0.5)
     ]
+    scenarios.append(dataclasses.replace(MACHINE, duration=0.5))
     batch = simulate_batch(scenarios, ("u", "q3"), workers=2)
-    assert len(batch) == 3
+    assert len(batch) == 4
     for scenario, trajectory in zip(scenarios, batch, strict=True):
         assert_same_bits(trajectory.q3, simulate(scenario).q3)
 

@@ -13,7 +13,7 @@ from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, amplifier_of
 from bdt_plant.gap_profile import GapProfile, gaps_at
-from bdt_plant.machine import MACHINE_AT_REST
+from bdt_plant.machine import MACHINE_AT_REST, DiscreteMachine
 from bdt_plant.plant import AT_REST, PlantModel, Sampling
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, discretize_sensor, noise_sequence
 from bdt_study.simulation.loop_kernel import SIMULATED, allocate, compiled_loop, run_kernel
@@ -181,9 +181,10 @@ def simulate_batch(
         In the order of `scenarios`.
     """
     scenarios = list(scenarios)
-    compiled_loop()  # compiled once, before the threads ask for it
     # Models first: their matrix exponentials wake the threads of BLAS, which would compete.
     steps = [discrete_loop(scenario) for scenario in scenarios]
+    for is_machine in {isinstance(step.plant, DiscreteMachine) for step in steps}:
+        compiled_loop(is_machine=is_machine)  # compiled once, before the threads ask for it
     inputs = [sample_inputs(scenario) for scenario in scenarios]
     with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
         return list(pool.map(partial(_simulate, keep=keep), scenarios, steps, inputs))
@@ -231,7 +232,7 @@ def signals_for(scenario: Scenario, keep: Sequence[str]) -> tuple[FloatArray, ..
     unknown = set(keep) - set(SIGNALS)
     if unknown:
         raise ValueError(f"keep = {sorted(unknown)}: must be out of {', '.join(SIGNALS)}")
-    needed = {*keep, "theta_d"} if "d" in keep else set(keep)
+    needed = {*keep, "theta_d"} if {"d", "q1"} & set(keep) else set(keep)
     return allocate(scenario.samples, needed)
 
 
