@@ -16,13 +16,13 @@ def test_without_a_name_the_configurations_are_listed_with_what_they_are(capsys)
     assert run_command(["config"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(packaged_configurations())
-    assert lines[-1] == (
+    assert lines[-2] == (
         "paper            Figure 7 of the paper: the twin estimates the growing gap and "
         "reconfigures the dead zone."
     )
 
 
-@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone", "laboratory"])
+@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone", "laboratory", "workshop"])
 def test_the_path_of_a_configuration_is_printed_from_any_folder(
     name, capsys, tmp_path, monkeypatch
 ):

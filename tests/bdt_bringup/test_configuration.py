@@ -35,7 +35,7 @@ def parameters(node, text):
     return f"{node}:\n  ros__parameters:\n    {text}\n"
 
 
-@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone", "laboratory"])
+@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone", "laboratory", "workshop"])
 def test_the_shipped_configurations_are_valid(name):
     configuration = load_configuration(CONFIG / f"{name}.yaml")
     assert configuration.name == name
@@ -55,17 +55,40 @@ def test_the_configurations_differ_in_the_dead_zone_and_in_reconfiguration_alone
     assert fixed.value("controller", "dead_zone_tolerance") == pytest.approx(1e-3 * 10 / 360)
 
 
-def test_the_laboratory_is_the_paper_s_scenario_with_imperfect_hardware():
-    paper, laboratory = (
-        load_configuration(CONFIG / f"{name}.yaml") for name in ("paper", "laboratory")
-    )
-    differs = {
-        (node, name): laboratory.value(node, name)
+def differences(name, other):
+    """Return the values of a shipped configuration that are not those of another one."""
+    ours, theirs = (load_configuration(CONFIG / f"{each}.yaml") for each in (name, other))
+    return {
+        (node, parameter): ours.value(node, parameter)
         for node in CONFIGURED_NODES
-        for name in known_parameters(parameter_table(node))
-        if laboratory.value(node, name) != paper.value(node, name)
+        for parameter in known_parameters(parameter_table(node))
+        if ours.value(node, parameter) != theirs.value(node, parameter)
     }
-    assert differs == {
+
+
+def test_the_workshop_is_the_laboratory_with_an_everyday_machine():
+    differs = differences("workshop", "laboratory")
+    assert {node for node, _ in differs} == {"plant"}
+    assert {name: value for (_, name), value in differs.items()} == {
+        "sensor.delay": 2e-4,
+        "sensor.drift": pytest.approx(5e-6 / 120.0, rel=1e-3),
+        "sensor.periodic_error": 2e-7,
+        "sensor.periodic_length": 2e-5,
+        "actuator.offset": 0.02,
+        "actuator.resolution": 48.0 / 2**12,
+        "motor.back_emf_constant": pytest.approx(1.04 * 0.1),
+        "motor.resistance": pytest.approx(1.08 * 12.0),
+        "motor.coulomb_friction": 8e-3,
+        "motor.static_friction": 1e-2,
+        "motor.viscous_friction": 1e-5,
+        "motor.cogging_torque": 1e-3,
+        "lead_screw.efficiency": 0.4,
+        "structure.damping": pytest.approx(1.1 * 36.9),
+    }
+
+
+def test_the_laboratory_is_the_paper_s_scenario_with_imperfect_hardware():
+    assert differences("laboratory", "paper") == {
         ("plant", "sensor.noise"): 1e-6,
         ("plant", "sensor.quantization"): 1e-7,
         ("plant", "actuator.saturation"): True,
@@ -110,7 +133,7 @@ def test_nested_and_dotted_names_wildcards_and_namespaces_are_the_same_parameter
 
 
 @pytest.mark.parametrize("namespace", ["", "/left", "/laboratory/left"])
-@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone", "laboratory"])
+@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone", "laboratory", "workshop"])
 def test_the_shipped_configurations_are_for_the_nodes_in_any_namespace(name, namespace):
     path = CONFIG / f"{name}.yaml"
     configuration = load_configuration(path, namespace)

@@ -26,7 +26,9 @@ PLANTS = {
     "sensor": (
         PlantModel(),
         GapProfile(growth_time=3.0),
-        SensorParameters(noise=1e-6, quantization=1e-7, delay=7e-4, drop_probability=0.1),
+        SensorParameters(
+            noise=1e-6, quantization=1e-7, delay=7e-4, drop_probability=0.1, bias=1e-6
+        ),
     ),
 }
 

@@ -1,4 +1,4 @@
-"""Exponential function, logarithm and power against decimal arithmetic in many digits."""
+"""Exponential function, logarithm, power and sine against decimal arithmetic in many digits."""
 
 import math
 from decimal import Context, Decimal
@@ -8,7 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bdt_plant.elementary_functions import exponential, logarithm, power
+from bdt_plant.elementary_functions import (
+    decaying_exponential,
+    exponential,
+    logarithm,
+    power,
+    sine_of_turns,
+)
 
 DIGITS = Context(prec=50)
 
@@ -46,3 +52,20 @@ def test_a_square_is_rounded_once():
 def test_what_no_float_holds_is_zero_or_infinite():
     with np.errstate(over="ignore"):
         assert exponential([-1e15, 0.0, 1e15]).tolist() == [0.0, 1.0, math.inf]
+
+
+@given(st.floats(-0.5, 0.5))
+def test_the_sine_is_right_to_1e_15(turns):
+    assert abs(sine_of_turns(turns) - math.sin(2 * math.pi * turns)) <= 1e-15
+
+
+@given(st.floats(-1e6, 1e6))
+def test_the_sine_repeats_with_every_turn(turns):
+    part = turns - round(turns)  # exact
+    assert abs(sine_of_turns(turns) - math.sin(2 * math.pi * part)) <= 1e-15
+
+
+@given(st.floats(-740.0, 0.0))
+def test_the_decaying_exponential_is_right_to_1e_15(number):
+    exact = math.exp(number)
+    assert abs(decaying_exponential(number) - exact) <= 1e-15 * exact + 1e-300

@@ -226,7 +226,18 @@ def test_measurement_and_telemetry_are_the_sensor_s_readings_and_truth_stays_tru
     assert clean.dropped_samples == 0
 
 
-def test_the_telemetry_s_voltage_is_the_one_that_the_actuator_applied():
+def test_the_telemetry_s_voltage_is_the_command_and_the_motor_gets_what_the_amplifier_makes_of_it():
+    actuator = ActuatorParameters(offset=0.05, gain=0.98, resolution=0.1)
+    real = PlantSimulator(PlantModel(), GapProfile(), Sampling(), actuator=actuator)
+    ideal = PlantSimulator(PlantModel(), GapProfile(), Sampling())
+    for command, applied in ((0.0, 0.05), (3.04, 0.98 * 3.0 + 0.05), (-1.06, 0.05 - 0.98 * 1.1)):
+        rows, expected = real.advance(command), ideal.advance(applied)
+        assert set(rows[:, 1]) == {command}
+        np.testing.assert_allclose(rows[:, 2], expected[:, 2], rtol=1e-12, atol=1e-18)
+    assert real.saturated_steps == 0
+
+
+def test_the_telemetry_s_voltage_is_within_the_limit_of_the_actuator():
     limited = PlantSimulator(
         PlantModel(), GapProfile(), Sampling(), actuator=ActuatorParameters(saturation=True)
     )

@@ -55,11 +55,50 @@ def test_quantization_of_a_moving_platform_adds_a_twelfth_of_its_square():
 
 
 @pytest.mark.parametrize(
-    ("delay", "samples"), [(2e-4, 1), (0.01, 50), (3.2e-4, 2), (1e-5, 0), (1.0, 5000)]
+    ("delay", "samples"), [(2e-4, 1), (0.01, 50), (6e-4, 3), (1e-14, 0), (1.0, 5000)]
 )
 def test_a_delay_is_that_many_samples_of_rest_and_then_the_motion(delay, samples):
     expected = np.concatenate([np.zeros(samples), MOTION])[:SAMPLES]
     np.testing.assert_array_equal(readings(SensorParameters(delay=delay)), expected)
+
+
+@settings(max_examples=50)
+@given(st.floats(0.0, 0.02))
+def test_a_delay_between_samples_is_the_position_at_that_time(delay):
+    """Against the motion itself, which is known at every instant."""
+    expected = 5e-3 * np.sin((np.arange(SAMPLES) - delay * RATE) / 300.0)
+    settled = math.ceil(delay * RATE) + 4
+    actual = readings(SensorParameters(delay=delay))
+    # 5 mm / 24 / 300^4, and what 1e-9 of a sample is.
+    np.testing.assert_allclose(actual[settled:], expected[settled:], rtol=0, atol=4.5e-14)
+
+
+def test_the_error_of_a_delay_between_samples_is_of_fourth_order():
+    errors = []
+    for rate in (500.0, 1000.0, 2000.0):
+        times = np.arange(500) / rate
+        read = readings(SensorParameters(delay=0.4 / rate), np.sin(30 * times), rate)
+        errors.append(np.abs(read - np.sin(30 * (times - 0.4 / rate)))[4:].max())
+    assert errors[0] / errors[1] == pytest.approx(16, rel=0.1)
+    assert errors[1] / errors[2] == pytest.approx(16, rel=0.1)
+
+
+def test_bias_drift_and_periodic_error_are_added_to_what_is_seen():
+    parameters = SensorParameters(
+        bias=-5e-5, drift=1.7e-7, periodic_error=5e-7, periodic_length=2e-5
+    )
+    times = np.arange(SAMPLES) / RATE
+    expected = MOTION - 5e-5 + 1.7e-7 * times + 5e-7 * np.sin(2 * np.pi * MOTION / 2e-5)
+    np.testing.assert_allclose(readings(parameters), expected, rtol=0, atol=1e-17)
+
+
+def test_the_periodic_error_is_that_of_the_position_that_is_read_and_is_rounded_with_it():
+    parameters = SensorParameters(
+        delay=1e-3, periodic_error=1e-6, periodic_length=1e-4, quantization=1e-7
+    )
+    seen = np.concatenate([np.zeros(5), MOTION])[:SAMPLES]
+    expected = seen + 1e-6 * np.sin(2 * np.pi * seen / 1e-4)
+    assert np.abs(readings(parameters) - expected).max() <= 0.5e-7 * (1 + 1e-6)
 
 
 def test_a_dropped_sample_repeats_the_reading_before():
@@ -130,6 +169,11 @@ def test_the_same_samples_are_dropped_with_and_without_noise():
         ("delay", -1.0),
         ("delay", 11.0),
         ("drop_probability", 1.1),
+        ("bias", 1.1),
+        ("bias", math.inf),
+        ("drift", -2.0),
+        ("periodic_error", -1e-7),
+        ("periodic_length", 0.0),
         ("seed", -1),
         ("seed", 1.0),
     ],

@@ -5,6 +5,13 @@ from importlib import import_module
 from typing import Any
 
 from bdt_plant.compilation import compile_with_steps
+from bdt_plant.machine import (
+    MACHINE_AT_REST,
+    DiscreteMachine,
+    MachineState,
+    discretize_machine,
+    hold_machine_period,
+)
 from bdt_plant.plant import (
     AT_REST,
     DiscretePlant,
@@ -12,26 +19,43 @@ from bdt_plant.plant import (
     HoldPeriod,
     PlantModel,
     PlantState,
+    Sampling,
     discretize_plant,
     hold_period,
 )
 
 
+def compiled_period_of(model: PlantModel) -> Any:
+    """Return the compiled function that advances a mechanism by some samples."""
+    return compiled_hold_period() if model.is_piecewise_linear else compiled_machine_period()
+
+
 @cache
 def compiled_hold_period() -> HoldPeriod:
     """Return :func:`bdt_plant.plant.hold_period`, compiled where numba is installed."""
-
-    def signature() -> Any:
-        # Imported here, because it is absent on many a small computer.
-        numba = import_module("numba")
-        types = numba.types
-        given = types.Array(types.float64, 1, "C", readonly=True)
-        written = types.Array(types.float64, 1, "C")
-        step = discretize_plant(PlantModel(), 2e-4)
-        return numba.typeof(AT_REST), types.float64, given, numba.typeof(step), written
-
-    period: HoldPeriod = compile_with_steps(_period, [hold_period], signature)
+    step = discretize_plant(PlantModel(), 2e-4)
+    period: HoldPeriod = compile_with_steps(
+        _period, [hold_period], lambda: _signature(AT_REST, step)
+    )
     return period
+
+
+@cache
+def compiled_machine_period() -> Any:
+    """Return :func:`bdt_plant.machine.hold_machine_period`, compiled where numba is installed."""
+    step = discretize_machine(PlantModel(), Sampling())
+    return compile_with_steps(
+        _machine_period, [hold_machine_period], lambda: _signature(MACHINE_AT_REST, step)
+    )
+
+
+def _signature(state: Any, step: Any) -> Any:
+    # Imported here, because it is absent on many a small computer.
+    numba = import_module("numba")
+    types = numba.types
+    given = types.Array(types.float64, 1, "C", readonly=True)
+    written = types.Array(types.float64, 1, "C")
+    return numba.typeof(state), types.float64, given, numba.typeof(step), written
 
 
 def _period(sources: str) -> HoldPeriod:
@@ -46,3 +70,17 @@ def _period(sources: str) -> HoldPeriod:
         return hold_period(state, voltage, gaps, step, positions)
 
     return period
+
+
+def _machine_period(sources: str) -> Any:
+    def machine_period(
+        state: MachineState,
+        voltage: float,
+        gaps: FloatArray,
+        step: DiscreteMachine,
+        positions: FloatArray,
+    ) -> MachineState:
+        _ = sources
+        return hold_machine_period(state, voltage, gaps, step, positions)
+
+    return machine_period

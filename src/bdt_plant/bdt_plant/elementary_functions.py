@@ -1,8 +1,10 @@
-"""Exponential function, logarithm and power, the same to the last bit on every computer.
+"""Exponential function, logarithm, power and sine, the same to the last bit on every computer.
 
 Those of C libraries and of numpy differ in their last bits, also from processor to processor.
 These consist of the operations whose rounding IEEE 754 prescribes, in a fixed order.
 """
+
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +14,9 @@ FloatArray = NDArray[np.float64]
 LOGARITHM_OF_TWO = 0.6931471805599453
 HIGH_PART, LOW_PART = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 """The same in two parts, of which the high one times a whole number is exact."""
+FULL_TURN = 6.283185307179586
+SMALLEST_EXPONENT = 700.0
+"""Size of a negative exponent from which on the power of e counts as nothing."""
 ROOT_OF_A_HALF = 0.7071067811865476
 LARGEST_LOGARITHM = 800.0
 """Size of a logarithm from which on the number is no float."""
@@ -61,3 +66,29 @@ def power(base: FloatArray, exponent: float) -> FloatArray:
         return product
     positive = np.where(base > 0.0, base, 1.0)
     return np.where(base > 0.0, product * exponential(part * logarithm(positive)), 0.0)
+
+
+def sine_of_turns(turns: float) -> float:
+    """Return sin(2 pi turns), right to 1e-15; a step function on floats."""
+    part = turns - math.floor(turns + 0.5)
+    if part > 0.25:
+        part = 0.5 - part
+    elif part < -0.25:
+        part = -0.5 - part
+    angle = FULL_TURN * part
+    square, series = angle * angle, 1.0
+    # At most a quarter of a turn: the next term of Taylor's series is below 1e-17.
+    for order in range(20, 1, -2):
+        series = 1.0 - series * square / (order * (order + 1))
+    return angle * series
+
+
+def decaying_exponential(number: float) -> float:
+    """Return exp(number) of a number that is not positive, right to 1e-15; a step function."""
+    if number < -SMALLEST_EXPONENT:
+        return 0.0
+    twos = math.floor(number / LOGARITHM_OF_TWO + 0.5)
+    rest, series = (number - twos * HIGH_PART) - twos * LOW_PART, 1.0
+    for order in range(13, 0, -1):
+        series = 1.0 + series * rest / order
+    return math.ldexp(series, int(twos))

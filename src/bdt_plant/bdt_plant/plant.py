@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_msgs_py.quantities import quantity, validate
+from bdt_plant.cogging import CoggingParameters
 from bdt_plant.friction import DiscreteFriction, discretize_friction, frictional_motor_step
 from bdt_plant.lead_screw import LeadScrewParameters, contact_side, play
 from bdt_plant.motor import (
@@ -18,6 +19,10 @@ from bdt_plant.motor import (
     motor_step,
 )
 from bdt_plant.motor_path import DiscreteContact, add_motor_path, discretize_contact
+from bdt_plant.pushes import PushParameters
+from bdt_plant.screw_load import ScrewMechanics
+from bdt_plant.stiffening_tower import BeamParameters
+from bdt_plant.stribeck import StribeckParameters
 from bdt_plant.structure import (
     DiscreteStructure,
     StructureParameters,
@@ -39,6 +44,13 @@ class Sampling:
     control_rate: float = quantity(
         500.0, "Hz", "rate of measurements; divides the sampling rate", minimum=0.1, maximum=1e6
     )
+    sub_steps: int = quantity(
+        10,
+        "",
+        "steps of integration in a sample of a mechanism that is not linear; the paper's needs one",
+        minimum=1,
+        maximum=10_000,
+    )
 
     def __post_init__(self) -> None:
         validate(self)
@@ -57,11 +69,35 @@ class Sampling:
 
 @dataclass(frozen=True)
 class PlantModel:
-    """Everything that is constant about the mechanism."""
+    """Everything that is constant about the mechanism.
+
+    The first three parts are the paper's mechanism and Coulomb friction. The others are what it
+    leaves out; estimators and design know nothing of them.
+    """
 
     motor: MotorParameters = field(default_factory=MotorParameters)
     lead_screw: LeadScrewParameters = field(default_factory=LeadScrewParameters)
     structure: StructureParameters = field(default_factory=StructureParameters)
+    stribeck: StribeckParameters = field(default_factory=StribeckParameters)
+    cogging: CoggingParameters = field(default_factory=CoggingParameters)
+    screw_mechanics: ScrewMechanics = field(default_factory=ScrewMechanics)
+    beams: BeamParameters = field(default_factory=BeamParameters)
+    pushes: PushParameters = field(default_factory=PushParameters)
+
+    @property
+    def is_piecewise_linear(self) -> bool:
+        """Whether the paper's mechanism, with Coulomb friction at most, is all that there is."""
+        coulomb = self.motor.coulomb_friction
+        uneven = self.stribeck.friction_asymmetry and max(coulomb, self.stribeck.static_friction)
+        return not (
+            uneven
+            or self.stribeck.static_friction > coulomb
+            or self.cogging.cogging_torque
+            or self.screw_mechanics.efficiency
+            or self.screw_mechanics.stiffness
+            or self.beams.cubic_stiffness
+            or self.pushes.force
+        )
 
 
 class DiscretePlant(NamedTuple):
@@ -144,6 +180,11 @@ def plant_step(state: PlantState, voltage: float, gap: float, step: DiscretePlan
     if contact != 0 and contact == state.contact:
         structure = add_motor_path(structure, driver, driver_voltage, step.contact)
     return PlantState(motor, theta_d, contact, structure)
+
+
+def first_platform(state: PlantState, step: DiscretePlant) -> float:
+    """Return the position of platform 1, which follows the lead screw: q1 = d (eq. 1) [m]."""
+    return step.pitch * state.theta_d
 
 
 def hold_period(

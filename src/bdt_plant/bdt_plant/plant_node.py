@@ -24,11 +24,11 @@ from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.topics import CLOCK, COMMAND, MEASUREMENT, PLANT_NODE, PROGRESS, TELEMETRY, TRUTH
 from bdt_plant.awaited_commands import AwaitedCommands
 from bdt_plant.clock_owner import LOOK_PERIOD, ClockOwner
-from bdt_plant.compiled_period import compiled_hold_period
+from bdt_plant.compiled_period import compiled_period_of
 from bdt_plant.limits import LimitedDrive
 from bdt_plant.lockstep import Followers
 from bdt_plant.parameters import PARAMETERS
-from bdt_plant.plant import PlantModel, hold_period
+from bdt_plant.plant import PlantModel
 from bdt_plant.plant_publishers import PlantPublishers
 from bdt_plant.plant_simulator import PlantSimulator
 
@@ -71,7 +71,7 @@ class PlantNode(Node):
             self._sampling,
             sensor,
             actuator,
-            compiled_hold_period() if is_long else hold_period,
+            compiled_period_of(model) if is_long else None,
         )
         self._followers = Followers(self._settings.lockstep_followers)
         self._commands = AwaitedCommands(self._settings.command_timeout)

@@ -1,17 +1,33 @@
 """A plant that runs: from one measurement to the next."""
 
+from typing import Any
+
 import numpy as np
 
-from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, saturated
+from bdt_plant.actuator import (
+    IDEAL_ACTUATOR,
+    ActuatorParameters,
+    amplified,
+    amplifier_of,
+    saturated,
+)
 from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.lead_screw import contact_side
+from bdt_plant.machine import (
+    MACHINE_AT_REST,
+    MachineState,
+    discretize_machine,
+    first_platform_of_machine,
+    hold_machine_period,
+)
 from bdt_plant.plant import (
     AT_REST,
     FloatArray,
-    HoldPeriod,
     PlantModel,
+    PlantState,
     Sampling,
     discretize_plant,
+    first_platform,
     hold_period,
 )
 from bdt_plant.sensor import IDEAL_SENSOR, Sensor, SensorParameters
@@ -35,12 +51,14 @@ class PlantSimulator:
         Sensor of platform 3.
     actuator : ActuatorParameters
         Amplifier of the motor.
-    period : callable
-        :func:`hold_period`, or what gives the same floats in less time.
+    period : callable, optional
+        What advances this mechanism over a control period, see
+        :func:`bdt_plant.compiled_period.compiled_period_of`; None for the plain function, which
+        gives the same floats in more time.
 
     Attributes
     ----------
-    state : PlantState
+    state : PlantState or MachineState
         True state.
     sample : int
         Number of samples advanced.
@@ -55,20 +73,20 @@ class PlantSimulator:
         sampling: Sampling,
         sensor: SensorParameters = IDEAL_SENSOR,
         actuator: ActuatorParameters = IDEAL_ACTUATOR,
-        period: HoldPeriod = hold_period,
+        period: Any = None,
     ) -> None:
         self._profile = profile
         self._sampling = sampling
-        step = discretize_plant(model, 1.0 / sampling.sampling_rate)
-        # A pitch written as 1 is an int, for which nothing is compiled.
-        self._step = step._replace(pitch=float(step.pitch))
-        self._period = period
+        self._step, at_rest, plain = _dynamics(model, sampling)
+        self._period = period or plain
         self._periods: list[tuple[FloatArray, FloatArray]] = []
         self._gap = gap_at(profile, 0.0)
         # Without a gap the motor drives the screw from the very first sample.
-        self.state = AT_REST._replace(contact=contact_side(0.0, 0.0, self._gap))
+        self.state: PlantState | MachineState = at_rest._replace(
+            contact=contact_side(0.0, 0.0, self._gap)
+        )
         self.sample = self.saturated_steps = 0
-        self._voltage_limit = actuator.limit
+        self._amplifier = amplifier_of(actuator)
         self._sensor = Sensor(sensor, sampling.sampling_rate)
         self._reading = self._sensor.read(self.state.structure.q3)
 
@@ -94,15 +112,19 @@ class PlantSimulator:
 
     def truth(self) -> tuple[float, float, float, float, float, float, float]:
         """Return the true (t, theta_m, theta_d, gap, q1, q2, q3) now; see ``TRUTH_COLUMNS``."""
-        motor, theta_d, _, structure = self.state
+        state = self.state
+        if isinstance(state, MachineState):
+            q1 = first_platform_of_machine(state, self._step)
+        else:
+            q1 = first_platform(state, self._step)
         return (
             self.time,
-            motor.angle,
-            theta_d,
+            state.motor.angle,
+            state.theta_d,
             self._gap,
-            self._step.pitch * theta_d,
-            structure.q2,
-            structure.q3,
+            q1,
+            state.structure.q2,
+            state.structure.q3,
         )
 
     def advance(self, voltage: float) -> FloatArray:
@@ -112,15 +134,17 @@ class PlantSimulator:
         -------
         ndarray, shape (samples_per_control_step, 3)
             Telemetry rows (t [s], u [V], q3 [m]) of the samples passed, the first one being the
-            sample at which the voltage was applied: the voltage as applied, q3 as read.
+            sample at which the voltage was applied: the command within the actuator's limit, q3
+            as read.
         """
-        applied = saturated(float(voltage), self._voltage_limit)
-        self.saturated_steps += applied != voltage
+        command = saturated(float(voltage), self._amplifier.limit)
+        self.saturated_steps += command != voltage
+        applied = amplified(command, self._amplifier)
         gaps, rows = self._next_period()
         positions = np.empty(gaps.size)
         self.state = self._period(self.state, applied, gaps, self._step, positions)
         readings = self._sensor.read_all(positions)
-        rows[:, 1] = applied
+        rows[:, 1] = command
         rows[0, 2], rows[1:, 2] = self._reading, readings[:-1]
         self._reading = float(readings[-1])
         self.sample += gaps.size
@@ -140,3 +164,12 @@ class PlantSimulator:
             rows[:, :, 0] = times[:-1].reshape(periods, count)
             self._periods = list(zip(gaps, rows, strict=True))[::-1]
         return self._periods.pop()
+
+
+def _dynamics(model: PlantModel, sampling: Sampling) -> tuple[Any, Any, Any]:
+    """Return discrete model, state at rest and plain function of a mechanism."""
+    if not model.is_piecewise_linear:
+        return discretize_machine(model, sampling), MACHINE_AT_REST, hold_machine_period
+    step = discretize_plant(model, 1.0 / sampling.sampling_rate)
+    # A pitch written as 1 is an int, for which nothing is compiled.
+    return step._replace(pitch=float(step.pitch)), AT_REST, hold_period

@@ -1,18 +1,28 @@
 """Sensor of platform 3: from its true position to the reading that everybody else gets.
 
-A reading is the position some samples ago, plus white noise, rounded to a multiple of the
-quantization. A dropped sample repeats the reading before it, as the output register of a sensor
-does that was not written in time. There is one reading a sample: the measurement that the
-controller gets is the reading in the telemetry row of the same time.
+A reading is the position some time ago, plus what the sensor is off there, plus white noise,
+rounded to a multiple of the quantization. A dropped sample repeats the reading before it, as the
+output register of a sensor does that was not written in time. There is one reading a sample: the
+measurement that the controller gets is the reading in the telemetry row of the same time.
 """
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bdt_msgs_py.quantities import quantity, validate
+from bdt_plant.elementary_functions import sine_of_turns
+from bdt_plant.sensor_delay import (
+    DiscreteDelay,
+    between_samples,
+    delay_line,
+    delayed,
+    discretize_delay,
+    recent_positions,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -35,7 +45,7 @@ class SensorParameters:
         0.0, "m", "step between two readings; 0 for none", minimum=0.0, maximum=1.0
     )
     delay: float = quantity(
-        0.0, "s", "age of a reading, rounded to whole samples", minimum=0.0, maximum=10.0
+        0.0, "s", "age of a reading; need not be whole samples", minimum=0.0, maximum=10.0
     )
     drop_probability: float = quantity(
         0.0,
@@ -47,6 +57,20 @@ class SensorParameters:
     seed: int = quantity(
         1, "", "seed of noise and dropped samples", minimum=0, maximum=2_147_483_647
     )
+    bias: float = quantity(0.0, "m", "what every reading is too large", minimum=-1.0, maximum=1.0)
+    drift: float = quantity(
+        0.0, "m/s", "growth of the bias from the first sample on", minimum=-1.0, maximum=1.0
+    )
+    periodic_error: float = quantity(
+        0.0,
+        "m",
+        "amplitude of an error that repeats along the scale: a sine of the true position",
+        minimum=0.0,
+        maximum=1.0,
+    )
+    periodic_length: float = quantity(
+        1e-3, "m", "travel after which the periodic error repeats", minimum=1e-9, maximum=1e3
+    )
 
     def __post_init__(self) -> None:
         validate(self)
@@ -54,49 +78,89 @@ class SensorParameters:
     @property
     def is_ideal(self) -> bool:
         """Whether every reading is the true position."""
-        return not (self.noise or self.quantization or self.delay or self.drop_probability)
+        is_random = self.noise or self.drop_probability
+        return not (is_random or self.quantization or self.delay or self.is_off)
+
+    @property
+    def is_off(self) -> bool:
+        """Whether readings have an error that is neither noise nor rounding nor age."""
+        return bool(self.bias or self.drift or self.periodic_error)
 
 
 IDEAL_SENSOR = SensorParameters()
 """The paper's sensor."""
 
 
-def delay_line(parameters: SensorParameters, sampling_rate: float) -> FloatArray:
-    """Return what a sensor remembers before its first sample: the platform at rest at zero.
+class DiscreteSensor(NamedTuple):
+    """A sensor at one sampling rate, without its noise.
 
-    Parameters
+    Attributes
     ----------
-    parameters : SensorParameters
-        The sensor.
-    sampling_rate : float
-        Samples per second [Hz].
-
-    Returns
-    -------
-    ndarray, shape (samples of delay,)
-        Positions not yet read [m]; see :func:`delayed`.
+    delay : DiscreteDelay
+        Age of a reading.
+    quantization : float
+        Step between two readings [m]; 0 for none.
+    is_odd : bool
+        Whether there is a delay that is not whole samples, or any of the following errors.
+    bias : float
+        Error of every reading [m].
+    drift : float
+        Growth of the error in one sample [m].
+    periodic_error : float
+        Amplitude of the periodic error [m].
+    periodic_length : float
+        Length after which it repeats [m].
     """
-    return np.zeros(round(parameters.delay * sampling_rate))
+
+    delay: DiscreteDelay
+    quantization: float
+    is_odd: bool
+    bias: float
+    drift: float
+    periodic_error: float
+    periodic_length: float
 
 
-def delayed(line: FloatArray, sample: int, position: float) -> float:
-    """Put a position into the delay line and return the one that comes out of it [m].
+def discretize_sensor(parameters: SensorParameters, sampling_rate: float) -> DiscreteSensor:
+    """Return a sensor for samples at `sampling_rate` [Hz]."""
+    delay = discretize_delay(parameters.delay, sampling_rate)
+    return DiscreteSensor(
+        delay,
+        float(parameters.quantization),
+        parameters.is_off or delay.is_between,
+        float(parameters.bias),
+        parameters.drift / sampling_rate,
+        float(parameters.periodic_error),
+        float(parameters.periodic_length),
+    )
+
+
+def sensor_error(position: float, sample: int, sensor: DiscreteSensor) -> float:
+    """Return what a sensor is off [m] at a true position [m] and the number of a sample."""
+    error = sensor.bias + sensor.drift * sample
+    if sensor.periodic_error > 0.0:
+        error += sensor.periodic_error * sine_of_turns(position / sensor.periodic_length)
+    return error
+
+
+def seen_position(
+    position: float, sample: int, recent: FloatArray, sensor: DiscreteSensor
+) -> float:
+    """Return what an odd sensor sees instead of a position [m].
 
     Parameters
     ----------
-    line : ndarray, shape (samples of delay,)
-        From :func:`delay_line`; written.
-    sample : int
-        Number of the sample, one more than in the call before.
     position : float
-        True position at that sample [m].
+        Position that came out of the delay line [m].
+    sample : int
+        Number of the sample.
+    recent : ndarray, shape (3,)
+        From :func:`bdt_plant.sensor_delay.recent_positions`; written.
+    sensor : DiscreteSensor
+        From :func:`discretize_sensor`.
     """
-    if line.size == 0:
-        return position
-    place = sample % line.size
-    before = float(line[place])
-    line[place] = position
-    return before
+    seen = between_samples(position, recent, sensor.delay.weights)
+    return seen + sensor_error(seen, sample, sensor)
 
 
 def sensor_reading(position: float, noise: float, before: float, quantization: float) -> float:
@@ -105,7 +169,7 @@ def sensor_reading(position: float, noise: float, before: float, quantization: f
     Parameters
     ----------
     position : float
-        True position, from :func:`delayed` [m].
+        Position that the sensor sees, with what it is off there [m].
     noise : float
         Noise of this sample [m]; NaN when it is dropped, see :func:`noise_sequence`.
     before : float
@@ -180,7 +244,8 @@ class Sensor:
     def __init__(self, parameters: SensorParameters, sampling_rate: float) -> None:
         self._parameters = parameters
         self._is_ideal = parameters.is_ideal
-        self._line = delay_line(parameters, sampling_rate)
+        self._step = discretize_sensor(parameters, sampling_rate)
+        self._line, self._recent = delay_line(self._step.delay), recent_positions()
         self._noise: list[float] = []
         self._sample = 0
         self._reading = 0.0
@@ -196,13 +261,15 @@ class Sensor:
         """
         if self._is_ideal:
             return position
-        place = self._sample % BLOCK
+        step, place = self._step, self._sample % BLOCK
         if place == 0:
             self._noise = noise_sequence(self._parameters, self._sample, BLOCK).tolist()
         noise = self._noise[place]
         self.dropped += math.isnan(noise)
-        before = delayed(self._line, self._sample, position)
-        self._reading = sensor_reading(before, noise, self._reading, self._parameters.quantization)
+        seen = delayed(self._line, self._sample, position)
+        if step.is_odd:
+            seen = seen_position(seen, self._sample, self._recent, step)
+        self._reading = sensor_reading(seen, noise, self._reading, step.quantization)
         self._sample += 1
         return self._reading
 

@@ -17,7 +17,7 @@ from bdt_study.benchmarks.c_loop import KEPT, NoCompilerError, build_c_loop, c_l
 from bdt_study.benchmarks.python_control_loop import interconnected_loop, step_response
 from bdt_study.benchmarks.result import BenchmarkSize
 from bdt_study.simulation.closed_loop import Scenario, discrete_loop, sample_inputs, simulate
-from bdt_study.simulation.loop_kernel import loop_at_rest
+from bdt_study.simulation.loop_model import loop_at_rest
 
 TINY = BenchmarkSize(
     duration=0.5, python_control_duration=0.02, repeats=2, batch=1, messages=100, loop_duration=1.0

@@ -6,6 +6,7 @@ import pytest
 from bdt_plant.gap_profile import gaps_at
 from bdt_plant.plant import PlantModel
 from bdt_study.evaluation.cases import CASES, draw_scenario
+from bdt_study.evaluation.machine_effects import NO_EFFECTS
 
 BY_NAME = {case.name: case for case in CASES}
 with_each_case = pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
@@ -22,7 +23,9 @@ def test_a_seed_means_one_scenario(case):
     assert repr(draw_scenario(case, 3)) != repr(draw_scenario(case, 4))
 
 
-@with_each_case
+@pytest.mark.parametrize(
+    "case", [case for case in CASES if case.effects == NO_EFFECTS], ids=lambda case: case.name
+)
 def test_plant_and_sensor_are_as_wrong_as_the_case_says(case):
     nominal = PlantModel()
     for seed in range(4):
@@ -40,6 +43,7 @@ def test_plant_and_sensor_are_as_wrong_as_the_case_says(case):
         assert scenario.sensor.noise == case.noise
         assert scenario.sensor.quantization == case.quantization
         assert scenario.actuator.limit == (case.voltage_limit or np.inf)
+        assert model.is_piecewise_linear
 
 
 @with_each_case

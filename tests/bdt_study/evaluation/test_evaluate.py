@@ -19,6 +19,8 @@ FIELDS = [
     "coverage_95",
     "crb_ratio",
     "limit_cycle_free_percent",
+    "avoidable_limit_cycle_percent",
+    "avoidable_steps_percent",
     "bias_under_2_percent",
     "window_ms",
     "runs",
@@ -95,6 +97,6 @@ def test_bad_input_is_one_line_and_exit_code_two(arguments, says, capsys):
 
 
 def test_what_is_unknown_is_a_dash_in_the_table():
-    row = CaseOutcome("clean", "x:Y", None, None, None, None, 100.0, 50.0, None, 3)
+    row = CaseOutcome("clean", "x:Y", None, None, None, None, 100.0, 0.0, None, 50.0, None, 3)
     cells = [list(column.cells) for column in outcome_table([row]).columns]
-    assert cells == [["clean"], ["x:Y"], ["-"], ["-"], ["-"], ["-"], ["100"], ["50"], ["-"]]
+    assert cells == [["clean"], ["x:Y"], ["-"], ["-"], ["-"], ["-"], ["100"], ["0"], ["50"], ["-"]]

@@ -11,7 +11,16 @@ from bdt_study.evaluation.trial import Trial
 NOTHING = np.empty(0)
 
 
-def trial(errors, uncertainties, *, bounds=NOTHING, limit_cycles=0, worst_bias=0.5, times=(0.01,)):
+def trial(
+    errors,
+    uncertainties,
+    *,
+    bounds=NOTHING,
+    limit_cycles=0,
+    worst_bias=0.5,
+    times=(0.01,),
+    avoidable=(0, 0),
+):
     return Trial(
         np.deg2rad(errors),
         np.deg2rad(uncertainties),
@@ -20,6 +29,7 @@ def trial(errors, uncertainties, *, bounds=NOTHING, limit_cycles=0, worst_bias=0
         limit_cycles,
         worst_bias,
         np.array(times),
+        *avoidable,
     )
 
 
@@ -55,6 +65,24 @@ def test_runs_are_counted_by_what_became_of_the_loop():
     row = summarize_trials("c", "e", trials)
     assert row.limit_cycle_free_percent == 75.0
     assert row.bias_under_2_percent == 75.0
+
+
+def test_limit_cycles_count_as_avoidable_where_the_true_gap_has_none():
+    trials = [
+        trial([0.1], [1.0], limit_cycles=3, avoidable=(0, 5)),
+        trial([0.1], [1.0], limit_cycles=3, avoidable=(2, 6)),
+        trial([0.1], [1.0], avoidable=(0, 9)),
+        trial([0.1], [1.0]),
+    ]
+    row = summarize_trials("c", "e", trials)
+    assert row.avoidable_limit_cycle_percent == 25.0
+    assert row.avoidable_steps_percent == 10.0
+
+
+def test_without_a_step_that_could_be_spared_there_is_no_share():
+    row = summarize_trials("c", "e", [trial([0.1], [1.0], limit_cycles=8)])
+    assert row.avoidable_limit_cycle_percent == 0.0
+    assert row.avoidable_steps_percent is None
 
 
 def test_the_processor_time_is_a_median_in_milliseconds():

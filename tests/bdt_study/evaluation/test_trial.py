@@ -6,10 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile
 from bdt_study.evaluation import cases, trial
 from bdt_study.evaluation.cases import CASES, draw_scenario
-from bdt_study.evaluation.trial import error_of, evaluate_loop, run_trial
+from bdt_study.evaluation.machine_effects import NO_EFFECTS, MachineEffects
+from bdt_study.evaluation.trial import (
+    avoidable_limit_cycles,
+    error_of,
+    evaluate_loop,
+    run_trial,
+)
 from bdt_study.simulation.closed_loop import Trajectory, simulate
 from bdt_study.simulation.twin_loop import TwinTrajectory
 from bdt_twin.estimator import Estimate
@@ -52,8 +59,8 @@ def test_the_error_is_that_of_the_time_for_which_the_gap_is_stated():
     assert error_of(Estimate(5.0, 0.6), growing, 2.0) == pytest.approx(0.3)
 
 
-def judged(dead_zones, duration=24.0):
-    """Judge a loop with a gap of 25 degrees and the dead zones of each control period."""
+def run_with(dead_zones, duration=24.0):
+    """Return a loop with a gap of 25 degrees and the dead zones of each control period."""
     scenario = replace(
         draw_scenario(BY_NAME["clean"], 0),
         duration=duration,
@@ -63,7 +70,11 @@ def judged(dead_zones, duration=24.0):
     tolerances = np.asarray(dead_zones(np.arange(scenario.control_steps) / 500.0))
     loop = simulate(replace(scenario, dead_zone=tolerances))
     assert isinstance(loop, Trajectory)
-    return evaluate_loop(scenario, TwinTrajectory(loop, tolerances, (), np.zeros_like(tolerances)))
+    return scenario, TwinTrajectory(loop, tolerances, (), np.zeros_like(tolerances))
+
+
+def judged(dead_zones):
+    return evaluate_loop(*run_with(dead_zones))
 
 
 def test_a_loop_that_never_gets_a_dead_zone_is_judged_whole():
@@ -76,6 +87,38 @@ def test_steps_before_the_first_dead_zone_do_not_count():
     limit_cycles, worst_bias = judged(lambda t: np.where(t < 7.0, 0.0, wide))
     assert limit_cycles == 0
     assert 0.0 < worst_bias < 2.0
+
+
+def avoidable(dead_zones):
+    scenario, run = run_with(dead_zones)
+    return avoidable_limit_cycles(scenario, scenario.gap, run)
+
+
+def test_a_loop_without_a_dead_zone_has_limit_cycles_that_knowing_the_gap_avoids():
+    assert avoidable(lambda t: 0.0 * t) == (3, 3)
+
+
+def test_steps_before_the_first_dead_zone_are_nobody_s_fault():
+    wide = 1.15 * math.radians(25.0) * 1e-3 / (2 * math.pi)
+    assert avoidable(lambda t: np.where(t < 7.0, 0.0, wide)) == (0, 2)
+
+
+def test_an_offset_of_the_amplifier_is_no_fault_of_the_estimator():
+    """It makes the motor creep in the dead zone, with the true gap as well."""
+    scenario, run = run_with(lambda t: 0.0 * t)
+    scenario = replace(scenario, actuator=ActuatorParameters(offset=0.05))
+    run = replace(run, loop=simulate(scenario))
+    assert evaluate_loop(scenario, run)[0] == 3
+    _, steps_without = avoidable_limit_cycles(scenario, scenario.gap, run)
+    assert steps_without <= 1
+
+
+def test_friction_that_nobody_told_of_costs_the_estimator_its_answers(short):
+    effects = MachineEffects(least=1.0, friction=0.02)
+    rubbing = run_trial(replace(BY_NAME["friction"], effects=effects), "output_error", 1)
+    free = run_trial(replace(BY_NAME["friction"], effects=NO_EFFECTS), "output_error", 1)
+    assert free.errors.size >= 10
+    assert rubbing.errors.size == 0 or np.abs(rubbing.errors).max() > 10 * np.abs(free.errors).max()
 
 
 def test_the_margin_is_part_of_what_is_commanded(short, monkeypatch):

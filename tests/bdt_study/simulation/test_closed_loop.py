@@ -14,12 +14,17 @@ from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.actuator import ActuatorParameters
+from bdt_plant.cogging import CoggingParameters
 from bdt_plant.compilation import compile_loop, source_files, source_hash
 from bdt_plant.gap_profile import GapProfile, gap_at
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_simulator import PlantSimulator
+from bdt_plant.pushes import PushParameters
+from bdt_plant.screw_load import ScrewMechanics
 from bdt_plant.sensor import SensorParameters
+from bdt_plant.stiffening_tower import BeamParameters
+from bdt_plant.stribeck import StribeckParameters
 from bdt_study.simulation import loop_kernel
 from bdt_study.simulation.closed_loop import (
     SIGNALS,
@@ -30,13 +35,8 @@ from bdt_study.simulation.closed_loop import (
     simulate,
     simulate_batch,
 )
-from bdt_study.simulation.loop_kernel import (
-    SIMULATED,
-    LoopInputs,
-    allocate,
-    loop_at_rest,
-    run_kernel,
-)
+from bdt_study.simulation.loop_kernel import SIMULATED, allocate, run_kernel
+from bdt_study.simulation.loop_model import LoopInputs, loop_at_rest
 
 REFERENCE = ReferenceProfile(step_time=2.0)
 GROWING = GapProfile(growth_time=8.0)
@@ -53,12 +53,26 @@ LABORATORY = Scenario(
     GROWING,
     2.8e-5,
     PlantModel(MotorParameters(coulomb_friction=0.02, viscous_friction=1e-4)),
-    sensor=SensorParameters(1e-6, 1e-7, 1e-3, 0.1, 3),
-    actuator=ActuatorParameters(saturation=True, voltage_limit=8.0),
+    sensor=SensorParameters(1e-6, 1e-7, 1.03e-3, 0.1, 3, 1e-6, 1e-7, 5e-7, 2e-5),
+    actuator=ActuatorParameters(True, 8.0, 0.01, 0.99, 1e-3),
     voltage_limit=9.0,
     voltage_offset=0.03,
 )
-"""Every imperfection that there is, and a controller that believes in a stronger amplifier."""
+"""Every imperfection of sensor and amplifier, and a controller that believes in a stronger one."""
+
+MACHINE = dataclasses.replace(
+    LABORATORY,
+    duration=1.0,
+    model=PlantModel(
+        MotorParameters(coulomb_friction=0.008),
+        stribeck=StribeckParameters(0.01, 2.0, 0.1),
+        cogging=CoggingParameters(1e-3),
+        screw_mechanics=ScrewMechanics(0.4, 1e7),
+        beams=BeamParameters(2e6),
+        pushes=PushParameters(2.0, 0.05, 0.3, seed=5),
+    ),
+)
+"""Whatever the paper leaves out of the mechanism, with all that."""
 
 
 def python_loop(scenario, dead_zones):
@@ -113,6 +127,29 @@ def test_an_imperfect_loop_is_that_of_the_python_loop_bit_for_bit(control_rate):
         assert_same_bits(getattr(trajectory, name), expected[:, COLUMNS.index(name)])
     assert np.abs(trajectory.u).max() == 8.0
     assert np.abs(trajectory.measured - trajectory.q3).max() > 3e-6
+
+
+@pytest.mark.parametrize("control_rate", [5000.0, 500.0])
+def test_a_mechanism_that_is_not_linear_is_that_of_the_python_loop_bit_for_bit(control_rate):
+    sampling = Sampling(control_rate=control_rate, sub_steps=3)
+    scenario = dataclasses.replace(MACHINE, sampling=sampling)
+    trajectory = simulate(scenario)
+    expected = python_loop(scenario, [2.8e-5] * scenario.control_steps)
+    names = COLUMNS if control_rate == 5000.0 else ("t", "r", "u", "measured")
+    for name in names:
+        assert_same_bits(getattr(trajectory, name), expected[:, COLUMNS.index(name)])
+    assert np.abs(trajectory.q1 - trajectory.d).max() > 1e-6  # its screw is elastic
+
+
+def test_a_mechanism_that_is_not_linear_stops_and_goes_on_as_one():
+    inputs, step = sample_inputs(MACHINE), discrete_loop(MACHINE)
+    state, parts = initial_state(MACHINE, inputs), []
+    for first, last in ((0, 7), (7, 300), (300, MACHINE.control_steps)):
+        parts.append(allocate(10 * (last - first)))
+        state = run_kernel(state, step, inputs.between(first, last), parts[-1])
+    whole = simulate(MACHINE)
+    for index, name in enumerate(SIMULATED):
+        assert_same_bits(np.concatenate([part[index] for part in parts]), getattr(whole, name))
 
 
 def test_the_voltage_offset_may_change_at_any_measurement():
@@ -224,8 +261,9 @@ def test_a_batch_is_its_scenarios_one_by_one():
     scenarios = [
         Scenario(0.5, REFERENCE, GapProfile("constant", gap), 1e-5) for gap in (0.0, 0.1, 0.5)
     ]
+    scenarios.append(dataclasses.replace(MACHINE, duration=0.5))
     batch = simulate_batch(scenarios, ("u", "q3"), workers=2)
-    assert len(batch) == 3
+    assert len(batch) == 4
     for scenario, trajectory in zip(scenarios, batch, strict=True):
         assert_same_bits(trajectory.q3, simulate(scenario).q3)
 

@@ -22,7 +22,7 @@ def _add_arguments(parser: ArgumentParser) -> None:
         "--config",
         metavar="NAME|FILE",
         help="configuration that comes with the package (paper, linear, fixed_dead_zone, "
-        "laboratory), or a ROS parameter file",
+        "laboratory, workshop), or a ROS parameter file",
     )
     parser.add_argument(
         "--namespace",

@@ -37,7 +37,8 @@ from bdt_study.simulation.closed_loop import (
     simulate,
     simulate_batch,
 )
-from bdt_study.simulation.loop_kernel import SIMULATED, allocate, loop_at_rest, run_kernel
+from bdt_study.simulation.loop_kernel import SIMULATED, allocate, run_kernel
+from bdt_study.simulation.loop_model import loop_at_rest
 from bdt_twin.angle_observer import motor_filter, structure_filter
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 

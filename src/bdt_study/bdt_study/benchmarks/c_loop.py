@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_study.simulation.loop_kernel import DiscreteLoop, LoopInputs, LoopState
+from bdt_plant.plant import DiscretePlant
+from bdt_study.simulation.loop_model import DiscreteLoop, LoopInputs, LoopState
 
 FloatArray = NDArray[np.float64]
 
@@ -71,6 +72,8 @@ def c_loop_call(
     signals : tuple of ndarray, each of shape (samples,)
         Written: the signals ``KEPT``.
     """
+    if not isinstance(step.plant, DiscretePlant):
+        raise TypeError("the C loop is that of the paper's mechanism")
     motor, structure, contact, pitch, _friction = step.plant  # the C loop has no friction
     coefficients = np.array(_flat((motor, structure, contact, pitch, step.pid)))
     arrays = (*inputs[:2], inputs.gaps[1:], *signals)

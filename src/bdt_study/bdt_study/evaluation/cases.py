@@ -1,6 +1,6 @@
 """The conditions under which estimators are compared."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,62 +10,14 @@ from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.sensor import SensorParameters
+from bdt_study.evaluation.case import Case
+from bdt_study.evaluation.machine_effects import with_effects
+from bdt_study.evaluation.machines import MACHINES
 from bdt_study.simulation.closed_loop import Scenario
-from bdt_twin.link import PAPER_LINK, LinkSettings
+from bdt_twin.link import LinkSettings
 
 DURATION = 80.0
 """Duration of a run [s]."""
-
-
-@dataclass(frozen=True)
-class Case:
-    """What is wrong with the data, the model and the link.
-
-    Attributes
-    ----------
-    name : str
-        Name on the command line.
-    description : str
-        One line.
-    noise, quantization : float
-        Noise (rms) and quantization of the sensor [m].
-    drop_probability : float
-        Probability that the sensor drops a sample.
-    gain_error, mechanics_error, damping_error : float
-        Largest deviation of the plant's motor gain k_B, of its masses and stiffnesses, and of its
-        dampings from what the twin believes, as fractions: laboratory values have either sign.
-    voltage_limit : float
-        Saturation of the actuator [V]; 0 for none.
-    sampling_rate : float
-        Rate of the telemetry [Hz].
-    link : LinkSettings
-        Delays and losses between twin and controller.
-    gap : str
-        Kind of gap profile; empty for any that grows smoothly or not at all.
-    """
-
-    name: str
-    description: str
-    noise: float = 0.0
-    quantization: float = 0.0
-    drop_probability: float = 0.0
-    gain_error: float = 0.0
-    mechanics_error: float = 0.0
-    damping_error: float = 0.0
-    voltage_limit: float = 0.0
-    sampling_rate: float = 5000.0
-    link: LinkSettings = PAPER_LINK
-    gap: str = ""
-
-    @property
-    def reading_error(self) -> float:
-        """Standard deviation of what a reading is off [m]: noise and rounding."""
-        return float(np.hypot(self.noise, self.quantization / np.sqrt(12.0)))
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether the twin's model is the plant, so that the Cramér-Rao bound applies."""
-        return not (self.gain_error or self.mechanics_error or self.damping_error)
 
 
 LABORATORY = Case(
@@ -130,6 +82,7 @@ CASES = (
         description="laboratory, gap that grows in fits and starts",
         gap="table",
     ),
+    *MACHINES,
 )
 """Every case, in the order of the table."""
 
@@ -139,7 +92,8 @@ def draw_scenario(case: Case, seed: int) -> Scenario:
 
     What the paper leaves open is drawn anew for each seed: amplitude (4 to 10 mm), length of the
     steps (5 to 12 s), profile of the gap (up to 15 to 30 degrees), sensor noise and the plant's
-    deviations from the twin's model, which is ``PlantModel()``.
+    deviations from the twin's model, which is ``PlantModel()``. A machine's effects are drawn apart
+    from these.
 
     Parameters
     ----------
@@ -154,7 +108,7 @@ def draw_scenario(case: Case, seed: int) -> Scenario:
     )
     gap = _draw_gap(case.gap, generator)
     model = _draw_model(case, generator)
-    return Scenario(
+    scenario = Scenario(
         duration=DURATION,
         reference=reference,
         gap=gap,
@@ -170,6 +124,7 @@ def draw_scenario(case: Case, seed: int) -> Scenario:
         actuator=_actuator(case),
         voltage_limit=case.voltage_limit,
     )
+    return with_effects(scenario, case.effects, seed)
 
 
 def _actuator(case: Case) -> ActuatorParameters:

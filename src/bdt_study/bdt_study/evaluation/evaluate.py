@@ -15,7 +15,8 @@ from rich.table import Table
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.output_files import PICTURES, not_writable, prepare_output
 from bdt_plant.plant import PlantModel
-from bdt_study.evaluation.cases import CASES, Case
+from bdt_study.evaluation.case import Case
+from bdt_study.evaluation.cases import CASES
 from bdt_study.evaluation.outcome import CaseOutcome, summarize_trials
 from bdt_study.evaluation.trial import Trial, run_trial
 from bdt_twin.estimator_choice import KINDS, EstimatorChoice, create_estimator
@@ -116,6 +117,7 @@ def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:
         "95 % covers [%]",
         "x CRB",
         "no limit cycle [%]",
+        "avoidable [%]",
         "bias < 2 % [%]",
         "window [ms]",
     ):
@@ -129,6 +131,7 @@ def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:
             _text(row.coverage_95, ".0f"),
             _text(row.crb_ratio, ".1f"),
             _text(row.limit_cycle_free_percent, ".0f"),
+            _text(row.avoidable_limit_cycle_percent, ".0f"),
             _text(row.bias_under_2_percent, ".0f"),
             _text(row.window_ms, ".0f"),
         )

@@ -29,6 +29,12 @@ class CaseOutcome:
         not exact or there is no noise.
     limit_cycle_free_percent : float
         Share of the runs without a limit cycle [%].
+    avoidable_limit_cycle_percent : float
+        Share of the runs with a limit cycle in a step that has none with the true gap as dead zone
+        [%].
+    avoidable_steps_percent : float or None
+        Share of the steps with a limit cycle among those that have none with the true gap [%];
+        None when there are no such steps.
     bias_under_2_percent : float
         Share of the runs whose worst bias is below 2 % of the amplitude [%].
     window_ms : float or None
@@ -44,6 +50,8 @@ class CaseOutcome:
     coverage_95: float | None
     crb_ratio: float | None
     limit_cycle_free_percent: float
+    avoidable_limit_cycle_percent: float
+    avoidable_steps_percent: float | None
     bias_under_2_percent: float
     window_ms: float | None
     runs: int
@@ -64,6 +72,8 @@ def summarize_trials(case: str, estimator: str, trials: Sequence[Trial]) -> Case
     bounds = np.concatenate([trial.bounds for trial in trials])
     at_bounds = np.concatenate([trial.bound_errors for trial in trials])
     times = np.concatenate([trial.window_times for trial in trials])
+    avoidable = sum(trial.avoidable_limit_cycles for trial in trials)
+    steps = sum(trial.avoidable_steps for trial in trials)
     return CaseOutcome(
         case,
         estimator,
@@ -72,6 +82,8 @@ def summarize_trials(case: str, estimator: str, trials: Sequence[Trial]) -> Case
         interval_coverage(errors, sigmas),
         _rms(at_bounds) / _rms(bounds) if bounds.size else None,
         100.0 * float(np.mean([trial.limit_cycles == 0 for trial in trials])),
+        100.0 * float(np.mean([trial.avoidable_limit_cycles > 0 for trial in trials])),
+        100.0 * avoidable / steps if steps else None,
         100.0 * float(np.mean([trial.worst_bias < LARGEST_BIAS for trial in trials])),
         1e3 * float(np.median(times)) if times.size else None,
         len(trials),

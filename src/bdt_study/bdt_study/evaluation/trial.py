@@ -2,18 +2,19 @@
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bdt_analysis.metrics.reference_steps import find_steps
-from bdt_analysis.metrics.step_analysis import summarize_step
+from bdt_analysis.metrics.step_analysis import StepSummary, summarize_step
 from bdt_controller.reference import ReferenceProfile, reference_at
-from bdt_plant.gap_profile import GapProfile, gap_at
+from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.plant import PlantModel
-from bdt_study.evaluation.cases import Case, draw_scenario
-from bdt_study.simulation.closed_loop import Scenario
+from bdt_study.evaluation.case import Case
+from bdt_study.evaluation.cases import draw_scenario
+from bdt_study.simulation.closed_loop import Scenario, Trajectory, simulate
 from bdt_study.simulation.twin_loop import TwinTrajectory, simulate_with_twin
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.dead_zone_tolerance import EQUATION_9, DeadZoneSettings
@@ -53,6 +54,10 @@ class Trial:
         Largest bias of all steps [% of the amplitude].
     window_times : ndarray, shape (n,)
         Processor time of each estimate [s].
+    avoidable_limit_cycles : int
+        Number of steps that end in a limit cycle and would not with the true gap as dead zone.
+    avoidable_steps : int
+        Number of steps that do not end in a limit cycle with the true gap as dead zone.
     """
 
     errors: FloatArray
@@ -62,6 +67,8 @@ class Trial:
     limit_cycles: int
     worst_bias: float
     window_times: FloatArray
+    avoidable_limit_cycles: int = 0
+    avoidable_steps: int = 0
 
 
 class InstrumentedEstimator:
@@ -131,6 +138,7 @@ def run_trial(case: Case, kind: str, seed: int) -> Trial:
     age = 0.5 * settings.window if kind == "inverse_filter" else 0.0
     learned = [each for each in run.estimates if each.is_known and not each.reason]
     limit_cycles, worst_bias = evaluate_loop(scenario, run)
+    avoidable, steps = avoidable_limit_cycles(scenario, gap, run)
     return Trial(
         np.array([error_of(estimate, gap, age) for estimate in learned]),
         np.array([estimate.uncertainty for estimate in learned]),
@@ -139,6 +147,8 @@ def run_trial(case: Case, kind: str, seed: int) -> Trial:
         limit_cycles,
         worst_bias,
         np.array(estimator.times),
+        avoidable,
+        steps,
     )
 
 
@@ -153,19 +163,61 @@ def evaluate_loop(scenario: Scenario, run: TwinTrajectory) -> tuple[int, float]:
     Judged is the true position, from the first step on that begins after the first dead zone
     has arrived: before a reversal nobody can know the gap. A step that is cut short is left out.
     """
-    sample_time = 1.0 / scenario.sampling.sampling_rate
-    telemetry = np.stack([run.loop.t, run.loop.u, run.loop.q3], axis=1)
-    steps = find_steps(_reference_steps(scenario), telemetry, sample_time)
-    set_at = np.flatnonzero(run.tolerances)
-    known = float(set_at[0]) / scenario.sampling.control_rate if set_at.size else 0.0
-    judged = [step for step in steps if step.t_start >= known]
-    summaries = [summarize_step(step, telemetry, sample_time) for step in judged]
+    summaries = _judged_steps(scenario, run.loop, run.tolerances)
     biases = [
         abs(step.bias_percent_of_amplitude)
         for step in summaries
         if step.bias_percent_of_amplitude is not None
     ]
     return sum(bool(step.limit_cycle) for step in summaries), max(biases, default=0.0)
+
+
+def avoidable_limit_cycles(
+    scenario: Scenario, gap: GapProfile, run: TwinTrajectory
+) -> tuple[int, int]:
+    """Return what knowing the gap would have spared.
+
+    The same steps are judged in the same scenario with eq. 9 for the true gap of each instant.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+    gap : GapProfile
+        Its gap.
+    run : TwinTrajectory
+        What became of it with an estimator.
+
+    Returns
+    -------
+    limit_cycles : int
+        Steps with a limit cycle that have none with the true gap.
+    steps : int
+        Steps that have none with the true gap.
+    """
+    times = np.arange(scenario.control_steps) / scenario.sampling.control_rate
+    tolerances = scenario.model.lead_screw.pitch * gaps_at(gap, times)
+    loop = simulate(replace(scenario, dead_zone=tolerances), ("u", "q3"))
+    pairs = zip(
+        _judged_steps(scenario, run.loop, run.tolerances),
+        _judged_steps(scenario, loop, run.tolerances),
+        strict=True,
+    )
+    avoidable = [bool(step.limit_cycle) for step, ideal in pairs if not ideal.limit_cycle]
+    return sum(avoidable), len(avoidable)
+
+
+def _judged_steps(
+    scenario: Scenario, loop: Trajectory, tolerances: FloatArray
+) -> list[StepSummary]:
+    """Return the steps that begin after the first of the dead zones in force."""
+    sample_time = 1.0 / scenario.sampling.sampling_rate
+    telemetry = np.stack([loop.t, loop.u, loop.q3], axis=1)
+    steps = find_steps(_reference_steps(scenario), telemetry, sample_time)
+    set_at = np.flatnonzero(tolerances)
+    known = float(set_at[0]) / scenario.sampling.control_rate if set_at.size else 0.0
+    judged = [step for step in steps if step.t_start >= known]
+    return [summarize_step(step, telemetry, sample_time) for step in judged]
 
 
 def _reference_steps(scenario: Scenario) -> FloatArray:

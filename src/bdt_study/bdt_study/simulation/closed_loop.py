@@ -11,27 +11,25 @@ from numpy.typing import NDArray
 
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
-from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters
+from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, amplifier_of
 from bdt_plant.gap_profile import GapProfile, gaps_at
-from bdt_plant.plant import PlantModel, Sampling
-from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, noise_sequence
-from bdt_study.simulation.loop_kernel import (
+from bdt_plant.machine import MACHINE_AT_REST, DiscreteMachine
+from bdt_plant.plant import AT_REST, PlantModel, Sampling
+from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, discretize_sensor, noise_sequence
+from bdt_study.simulation.loop_kernel import SIMULATED, allocate, compiled_loop, run_kernel
+from bdt_study.simulation.loop_model import (
     IDEAL,
-    SIMULATED,
     DiscreteLoop,
     LoopInputs,
     LoopState,
-    allocate,
-    compiled_loop,
     discretize_loop,
     loop_at_rest,
-    run_kernel,
 )
 
 FloatArray = NDArray[np.float64]
 Signal = float | FloatArray | Callable[[float], float]
 
-SIGNALS = ("r", *SIMULATED[:5], "d", "q1", *SIMULATED[5:])
+SIGNALS = ("r", *SIMULATED[:5], "d", *SIMULATED[5:])
 """Signals of a trajectory besides the time."""
 
 
@@ -109,13 +107,13 @@ class Trajectory:
     r : ndarray
         Reference [m] as the controller saw it, held between measurements.
     u : ndarray
-        Motor voltage [V], applied from this sample to the next.
+        Motor voltage [V] as commanded within the actuator's limit, from this sample to the next.
     current, omega_m, theta_m : ndarray
         Current [A], speed [rad/s] and angle [rad] of the motor.
     theta_d : ndarray
         Angle of the lead screw [rad].
     d, q1 : ndarray
-        Position of the lead screw's end (eq. 1) and of platform 1, which follows it [m].
+        Position of the lead screw's end (eq. 1) and of platform 1, which follows a rigid one [m].
     q2, q3 : ndarray
         Positions of platforms 2 and 3 [m].
     measured : ndarray
@@ -183,9 +181,10 @@ def simulate_batch(
         In the order of `scenarios`.
     """
     scenarios = list(scenarios)
-    compiled_loop()  # compiled once, before the threads ask for it
     # Models first: their matrix exponentials wake the threads of BLAS, which would compete.
     steps = [discrete_loop(scenario) for scenario in scenarios]
+    for is_machine in {isinstance(step.plant, DiscreteMachine) for step in steps}:
+        compiled_loop(is_machine=is_machine)  # compiled once, before the threads ask for it
     inputs = [sample_inputs(scenario) for scenario in scenarios]
     with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
         return list(pool.map(partial(_simulate, keep=keep), scenarios, steps, inputs))
@@ -208,14 +207,16 @@ def discrete_loop(scenario: Scenario) -> DiscreteLoop:
     """Return the discrete models of a scenario."""
     return discretize_loop(scenario.model, scenario.gains, scenario.sampling)._replace(
         command_limit=float(scenario.voltage_limit),
-        actuator_limit=scenario.actuator.limit,
-        quantization=float(scenario.sensor.quantization),
+        amplifier=amplifier_of(scenario.actuator),
+        sensor=discretize_sensor(scenario.sensor, scenario.sampling.sampling_rate),
     )
 
 
 def initial_state(scenario: Scenario, inputs: LoopInputs) -> LoopState:
     """Return the state in which a scenario begins."""
-    return loop_at_rest(float(inputs.gaps[0]), scenario.sensor, scenario.sampling.sampling_rate)
+    sensor = discretize_sensor(scenario.sensor, scenario.sampling.sampling_rate)
+    plant = AT_REST if scenario.model.is_piecewise_linear else MACHINE_AT_REST
+    return loop_at_rest(float(inputs.gaps[0]), sensor, plant)
 
 
 def _simulate(
@@ -231,7 +232,6 @@ def signals_for(scenario: Scenario, keep: Sequence[str]) -> tuple[FloatArray, ..
     unknown = set(keep) - set(SIGNALS)
     if unknown:
         raise ValueError(f"keep = {sorted(unknown)}: must be out of {', '.join(SIGNALS)}")
-    # Platform 1 follows the lead screw.
     needed = {*keep, "theta_d"} if {"d", "q1"} & set(keep) else set(keep)
     return allocate(scenario.samples, needed)
 
@@ -246,9 +246,8 @@ def trajectory_of(
     }
     if "r" in keep:
         kept["r"] = np.repeat(inputs.references, sampling.samples_per_control_step)
-    if "d" in keep or "q1" in keep:
-        d = scenario.model.lead_screw.pitch * signals[SIMULATED.index("theta_d")]
-        kept |= {name: d for name in ("d", "q1") if name in keep}
+    if "d" in keep:
+        kept["d"] = scenario.model.lead_screw.pitch * signals[SIMULATED.index("theta_d")]
     nothing = np.empty(0)
     return Trajectory(
         _time_axis(scenario.samples, sampling.sampling_rate),

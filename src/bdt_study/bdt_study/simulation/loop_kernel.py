@@ -5,156 +5,43 @@ controller (eqs 4, 5, 7, 8), of sensor and actuator are compiled from outside, s
 nothing of numba, and the kernel gives the floats of the plain Python loop, bit for bit.
 """
 
-import math
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
-from functools import cache, lru_cache
-from typing import Any, NamedTuple
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numba import config, typeof, types
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
-from bdt_controller.pid import INITIAL_PID, DiscretePid, PidGains, PidState, discretize_pid
+from bdt_controller.pid import PidGains
 from bdt_controller.voltage_limit import limited_pid_step
-from bdt_plant.actuator import saturated
+from bdt_plant.actuator import amplified, saturated
 from bdt_plant.compilation import compile_with_steps
-from bdt_plant.lead_screw import contact_side
-from bdt_plant.plant import (
-    AT_REST,
-    DiscretePlant,
-    PlantModel,
-    PlantState,
-    Sampling,
-    discretize_plant,
-    plant_step,
+from bdt_plant.machine import (
+    MACHINE_AT_REST,
+    DiscreteMachine,
+    discretize_machine,
+    first_platform_of_machine,
+    machine_step,
 )
-from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, delay_line, delayed, sensor_reading
+from bdt_plant.plant import PlantModel, Sampling, first_platform, plant_step
+from bdt_plant.sensor import seen_position, sensor_reading
+from bdt_plant.sensor_delay import delayed
+from bdt_study.simulation.loop_model import (
+    DiscreteLoop,
+    LoopInputs,
+    LoopState,
+    SensorState,
+    discretize_loop,
+    loop_at_rest,
+)
 
 FloatArray = NDArray[np.float64]
 
-SIMULATED = ("u", "current", "omega_m", "theta_m", "theta_d", "q2", "q3", "measured")
+SIMULATED = ("u", "current", "omega_m", "theta_m", "theta_d", "q1", "q2", "q3", "measured")
 """Signals that the kernel writes, in its order."""
-
-
-class SensorState(NamedTuple):
-    """State of the sensor between two control periods.
-
-    Attributes
-    ----------
-    sample : int
-        Number of the next sample.
-    reading : float
-        Reading of the sample before [m].
-    line : ndarray, shape (samples of delay,)
-        Positions not yet read [m].
-    """
-
-    sample: int
-    reading: float
-    line: FloatArray
-
-
-class LoopState(NamedTuple):
-    """State of plant, controller and sensor between two control periods."""
-
-    plant: PlantState
-    pid: PidState
-    sensor: SensorState
-
-
-class DiscreteLoop(NamedTuple):
-    """Discrete models of plant and controller, and what limits them.
-
-    Attributes
-    ----------
-    plant : DiscretePlant
-        Plant.
-    pid : DiscretePid
-        Controller.
-    command_limit : float
-        Voltage limit of the controller [V]; 0 for none.
-    actuator_limit : float
-        Voltage limit of the actuator [V]; infinite for none.
-    quantization : float
-        Quantization of the sensor [m]; 0 for none.
-    """
-
-    plant: DiscretePlant
-    pid: DiscretePid
-    command_limit: float = 0.0
-    actuator_limit: float = math.inf
-    quantization: float = 0.0
-
-
-IDEAL = np.empty(0)
-IDEAL.flags.writeable = False
-"""Noise of the ideal sensor, which has none."""
-NO_OFFSET = IDEAL
-"""Offsets of a controller that adds none."""
-
-
-class LoopInputs(NamedTuple):
-    """What acts on the loop, sample by sample.
-
-    Attributes
-    ----------
-    references, tolerances : ndarray, shape (control steps,)
-        Reference r and dead-zone tolerance epsilon_dz at each measurement [m].
-    gaps : ndarray, shape (samples + 1,)
-        Gap theta_b at each sample and at the end of the last one [rad].
-    noises : ndarray, shape (samples,)
-        Noise of the sensor at each sample [m], NaN where a sample is dropped; empty for a sensor
-        that is ideal and reads the true position.
-    offsets : ndarray, shape (control steps,)
-        Voltage that the controller adds to each command [V]; empty for none.
-    """
-
-    references: FloatArray
-    tolerances: FloatArray
-    gaps: FloatArray
-    noises: FloatArray = IDEAL
-    offsets: FloatArray = NO_OFFSET
-
-    def between(self, first: int, last: int) -> "LoopInputs":
-        """Return what acts on the loop from measurement `first` to before measurement `last`."""
-        hold = (self.gaps.size - 1) // self.references.size
-        return LoopInputs(
-            self.references[first:last],
-            self.tolerances[first:last],
-            self.gaps[first * hold : last * hold + 1],
-            self.noises[first * hold : last * hold],
-            self.offsets[first:last],
-        )
-
-
-# The matrix exponentials take as long as ten seconds of the loop, and sweeps share them.
-@lru_cache(maxsize=64)
-def discretize_loop(model: PlantModel, gains: PidGains, sampling: Sampling) -> DiscreteLoop:
-    """Return the discrete models of plant and controller."""
-    plant = discretize_plant(model, 1.0 / sampling.sampling_rate)
-    pid = discretize_pid(gains, 1.0 / sampling.control_rate)
-    # A gain written as 3000 is an int, for which nothing is compiled.
-    return DiscreteLoop(plant._replace(pitch=float(plant.pitch)), DiscretePid(*map(float, pid)))
-
-
-def loop_at_rest(
-    gap: float, sensor: SensorParameters = IDEAL_SENSOR, sampling_rate: float = 1.0
-) -> LoopState:
-    """Return the state in which new plant, controller and sensor begin.
-
-    Parameters
-    ----------
-    gap : float
-        First gap [rad].
-    sensor : SensorParameters
-        The sensor.
-    sampling_rate : float
-        Samples per second [Hz]; of no account for a sensor without delay.
-    """
-    plant = AT_REST._replace(contact=contact_side(0.0, 0.0, gap))
-    return LoopState(plant, INITIAL_PID, SensorState(0, 0.0, delay_line(sensor, sampling_rate)))
 
 
 def allocate(samples: int, keep: Collection[str] = SIMULATED) -> tuple[FloatArray, ...]:
@@ -196,21 +83,45 @@ def run_kernel(
     inputs : LoopInputs
         Inputs of all control periods.
     signals : tuple of ndarray, each of shape (samples,)
-        Written: the signals ``SIMULATED``.
+        Written: the signals ``SIMULATED``. Where q1 is kept, theta_d is, too.
     """
-    result: LoopState = compiled_loop()(state, step, *inputs, *signals)
+    is_machine = isinstance(step.plant, DiscreteMachine)
+    result: LoopState = compiled_loop(is_machine=is_machine)(state, step, *inputs, *signals)
+    q1 = signals[SIMULATED.index("q1")]
+    if not is_machine and q1.strides[0]:
+        # Platform 1 follows the screw (eq. 1): storing it in the loop takes 6 % more time.
+        np.multiply(step.plant.pitch, signals[SIMULATED.index("theta_d")], out=q1)
     return result
 
 
-COMPILED = (plant_step, limited_pid_step, saturated, delayed, sensor_reading)
+SHARED = (limited_pid_step, saturated, amplified, delayed, seen_position, sensor_reading)
+COMPILED = (plant_step, first_platform, *SHARED)
 """Step functions of the cores that the kernel calls."""
 
 
 @cache
-def compiled_loop() -> Any:
-    """Return the compiled loop, from numba's cache if there is one of these very sources."""
+def compiled_loop(*, is_machine: bool) -> Any:
+    """Return the compiled loop, from numba's cache if there is one of these very sources.
+
+    Parameters
+    ----------
+    is_machine : bool
+        Whether the plant is one that is not linear: it has a loop of its own, so that the paper's
+        is as fast as if there were no other.
+    """
     with _rows_in_vectors():
+        if is_machine:
+            steps = (machine_step, first_platform_of_machine, *SHARED)
+            return compile_with_steps(_machine_loop, steps, _machine_signature)
         return compile_with_steps(_closed_loop, COMPILED, _signature)
+
+
+def _machine_signature() -> Any:
+    _, _, *arrays = _signature()
+    step = discretize_loop(PlantModel(), PidGains(), Sampling())
+    step = step._replace(plant=discretize_machine(PlantModel(), Sampling()))
+    state = loop_at_rest(0.0, plant=MACHINE_AT_REST)
+    return typeof(state), typeof(step), *arrays  # type: ignore[no-untyped-call]
 
 
 def _signature() -> Any:
@@ -226,6 +137,16 @@ def _signature() -> Any:
 
 
 def _closed_loop(sources: str) -> Callable[..., LoopState]:
+    return _loop_around(plant_step, first_platform, is_machine=False, sources=sources)
+
+
+def _machine_loop(sources: str) -> Callable[..., LoopState]:
+    return _loop_around(machine_step, first_platform_of_machine, is_machine=True, sources=sources)
+
+
+def _loop_around(
+    plant_step: Any, first_platform: Any, *, is_machine: bool, sources: str
+) -> Callable[..., LoopState]:
     def closed_loop(
         state: LoopState,
         step: DiscreteLoop,
@@ -239,21 +160,26 @@ def _closed_loop(sources: str) -> Callable[..., LoopState]:
         omega_m: FloatArray,
         theta_m: FloatArray,
         theta_d: FloatArray,
+        q1: FloatArray,
         q2: FloatArray,
         q3: FloatArray,
         measured: FloatArray,
     ) -> LoopState:
         _ = sources
         plant, pid, sensor = state
-        begin, reading, line = sensor.sample, sensor.reading, sensor.line.copy()
+        begin, reading = sensor.sample, sensor.reading
+        line, recent = sensor.line.copy(), sensor.recent.copy()
         hold = (gaps.size - 1) // references.size
-        voltage = 0.0
+        voltage = applied = 0.0
         for k in range(references.size):
             for sample in range(k * hold, (k + 1) * hold):
                 position = plant.structure.q3
                 if noises.size > 0:
                     position = delayed(line, begin + sample, position)
-                    reading = sensor_reading(position, noises[sample], reading, step.quantization)
+                    if step.sensor.is_odd:
+                        position = seen_position(position, begin + sample, recent, step.sensor)
+                    quantization = step.sensor.quantization
+                    reading = sensor_reading(position, noises[sample], reading, quantization)
                 else:
                     reading = position
                 if sample == k * hold:
@@ -262,17 +188,20 @@ def _closed_loop(sources: str) -> Callable[..., LoopState]:
                     pid, voltage = limited_pid_step(
                         pid, error, tolerances[k], step.pid, step.command_limit, offset
                     )
-                    voltage = saturated(voltage, step.actuator_limit)
+                    voltage = saturated(voltage, step.amplifier.limit)
+                    applied = amplified(voltage, step.amplifier)
                 u[sample] = voltage
                 current[sample] = plant.motor.current
                 omega_m[sample] = plant.motor.speed
                 theta_m[sample] = plant.motor.angle
                 theta_d[sample] = plant.theta_d
+                if is_machine:
+                    q1[sample] = first_platform(plant, step.plant)
                 q2[sample] = plant.structure.q2
                 q3[sample] = plant.structure.q3
                 measured[sample] = reading
-                plant = plant_step(plant, voltage, gaps[sample + 1], step.plant)
-        return LoopState(plant, pid, SensorState(begin + u.size, reading, line))
+                plant = plant_step(plant, applied, gaps[sample + 1], step.plant)
+        return LoopState(plant, pid, SensorState(begin + u.size, reading, line, recent))
 
     return closed_loop
 
