@@ -57,8 +57,8 @@ CASES = {"paper": ("paper", {}), "laboratory": ("laboratory", {}), "harsh": ("la
 
 DIGESTS = {
     "paper": "86982255de2973a01f084118fc8da64411f8282c6bf96c5512c1ee828a9d95f0",
-    "laboratory": "d60eedcc394e79ee963b2bb24ec5fee81ad95a858348a69a36e109ba02bac39e",
-    "harsh": "53def37b406d6956c3d2d752960628ea30082adf2992e5c8ef630acd0fb0afdc",
+    "laboratory": "6fe97e2c30fae3494d7a330742f25a6cb2e61870db09e743441ae59ef4eca24d",
+    "harsh": "97b41692825b7dbc7096313cdb8139d0edd341ee476b85eb4b61944b7f4fc292",
 }
 """SHA-256 of 30 simulated seconds: voltage, position, reading, dead zone and estimates."""
 
