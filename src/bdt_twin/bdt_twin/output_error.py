@@ -35,6 +35,8 @@ FloatArray = NDArray[np.float64]
 
 MISFIT = 0.02
 """Share of the position's motion that is not predicted in a window that is explained."""
+LOOPS = (compiled_window, compiled_structure, compiled_means, compiled_gains, compiled_innovations)
+"""What to call before the first data wait."""
 LARGEST_SATURATED_TRAVEL = 2.0
 """Angle by which the motor may turn, beside twice the gap, while the position is stuck [rad]."""
 
@@ -68,18 +70,18 @@ class OutputErrorEstimator:
     that the gap may have grown until the end of the window.
 
     A missing batch leaves a hole. The stretches of data on its sides are fitted together, each
-    with a beginning of its own, because what the motor did in between is unknown; those shorter
-    than ``shortest_stretch`` are left out, because their beginning takes all they tell. Samples
-    that are far off the others around are left out, too.
+    with a beginning of its own; those shorter than ``shortest_stretch`` are left out, because
+    their beginning takes all they tell. Samples far off the others around are left out, too.
 
-    Windows end with samples whose number, the time times the sampling rate, is a multiple of the
-    update period. So the estimates do not depend on how the telemetry is split into batches.
+    Windows end with samples whose number is a multiple of the update period, so the estimates do
+    not depend on how the telemetry is split into batches.
 
     Parameters
     ----------
     model : PlantModel
         Constants of the mechanism, as the twin knows them. The gain of the motor and the
-        structure's k/m and c/m are corrected by factors that are fitted, too.
+        structure's k/m and c/m are corrected by factors that are fitted, too, and so are effects
+        that the model has not, once the data give evidence of them.
     settings : OutputErrorSettings
         Settings of the estimator.
     sampling_rate : float
@@ -106,14 +108,7 @@ class OutputErrorEstimator:
         self._block = settings.samples_per_block(sampling_rate)
         self._window = TelemetryWindow(sampling_rate, round(settings.window * sampling_rate))
         # Whatever is not in numba's cache is compiled now, not when the first batch waits.
-        for compiled in (
-            compiled_window,
-            compiled_structure,
-            compiled_means,
-            compiled_gains,
-            compiled_innovations,
-            *COMPILED,
-        ):
+        for compiled in (*LOOPS, *COMPILED):
             compiled()
         self.restart()
 
