@@ -4,7 +4,7 @@ Windows overlap, so what the last one has told is no independent knowledge. What
 that ended before this one begins is: it may have become a little wrong since, and counts as that.
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -53,13 +53,21 @@ class MachineKnowledge(NamedTuple):
     expected: FloatArray
     covariance: FloatArray
 
+    def bounded(self, first: "MachineKnowledge") -> "MachineKnowledge":
+        """Return the knowledge with no constant less sure than in what was known at `first`."""
+        spread = np.sqrt(np.diag(self.covariance))
+        share = np.minimum(np.sqrt(np.diag(first.covariance)) / spread, 1.0)
+        return self._replace(covariance=self.covariance * np.outer(share, share))
+
     def without(self, absent: Iterable[int]) -> "MachineKnowledge":
         """Return the knowledge of a machine that has not these places of ``EFFECTS``."""
         return self._with_spread(absent, ABSENT)
 
-    def forgetting(self, effects: Iterable[int]) -> "MachineKnowledge":
-        """Return the knowledge without any of these places of ``EFFECTS``."""
-        return self._with_spread(effects, 1.0)
+    def forgetting(self, effects: Collection[int]) -> "MachineKnowledge":
+        """Return the knowledge without any of these places of ``EFFECTS``, expected to be zero."""
+        expected = self.expected.copy()
+        expected[[len(FACTORS) + effect for effect in effects]] = 0.0
+        return self._replace(expected=expected)._with_spread(effects, 1.0)
 
     def _with_spread(self, effects: Iterable[int], share: float) -> "MachineKnowledge":
         covariance = self.covariance.copy()

@@ -63,7 +63,7 @@ class MachineMemory:
         known = first_knowledge(self._motor)
         if self._known is not None:
             aged = self._known.machine.aged(time - self._known.time)
-            known = aged.forgetting(self._present - self._known.present)
+            known = aged.bounded(known).forgetting(self._present - self._known.present)
         return known.without(set(range(len(EFFECTS))) - self._present)
 
     def learn(self, time: float, machine: MachineKnowledge) -> None:
