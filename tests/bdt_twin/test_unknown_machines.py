@@ -1,0 +1,165 @@
+"""The estimator by output error on machines that nobody described to it.
+
+The machine and its loop share no equation with the repository (`tests/support/unknown_machine.py`);
+the estimator has the constants of the paper, which know nothing of friction, offset, delay or
+pushes. The limits are about twice what was measured.
+"""
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from unknown_machine import Run, UnknownMachine, record
+
+from bdt_plant.plant import PlantModel
+from bdt_twin.output_error import OutputErrorEstimator
+from bdt_twin.output_error_settings import OutputErrorSettings
+
+RATE = 1000.0
+UPDATE_PERIOD = 1.0
+OFFSET = 0.05
+FRICTION = 0.01
+FRICTION_VOLTAGE = FRICTION / 0.8 * 12.0
+"""Voltage that the friction takes [V]: tau R / k_T."""
+MACHINES = {
+    "the paper's": UnknownMachine(),
+    "Coulomb friction": UnknownMachine(coulomb_friction=FRICTION),
+    "amplifier offset": UnknownMachine(amplifier_offset=OFFSET),
+    "late reading": UnknownMachine(delay=1e-3),
+    "pushes": UnknownMachine(push_force=2.0),
+    "everyday": UnknownMachine(
+        resistance=12.0 * 1.08,
+        back_emf_constant=0.1 * 1.04,
+        viscous_friction=5e-5,
+        coulomb_friction=8e-3,
+        friction_at_rest=10e-3,
+        cogging=1e-3,
+        mass=5.2 * 1.02,
+        stiffness=1e4 * 0.98,
+        damping=36.9 * 1.1,
+        reflected_load=1.0,
+        amplifier_offset=0.02,
+        amplifier_bits=12,
+        delay=2e-4,
+        drift_rate=5e-6 / 120.0,
+        encoder_error=0.2e-6,
+    ),
+}
+
+
+class Result(NamedTuple):
+    """All estimates, and errors and standard uncertainties of those that taught something [deg]."""
+
+    estimates: list
+    errors: np.ndarray
+    uncertainties: np.ndarray
+    estimator: OutputErrorEstimator
+
+
+@cache
+def result(name):
+    """Return what the estimator makes of 30 s of a machine."""
+    rows, gaps = record(MACHINES[name], Run(duration=30.0, sampling_rate=RATE))
+    chosen = OutputErrorSettings(update_period=UPDATE_PERIOD)
+    estimator = OutputErrorEstimator(PlantModel(), chosen, RATE)
+    samples = round(UPDATE_PERIOD * RATE)
+    found = [estimator.update(batch) for batch in np.split(rows, len(rows) // samples)]
+    estimates = [estimate for estimate in found if estimate is not None]
+    learned = [estimate for estimate in estimates if not estimate.reason]
+    times = [estimate.time for estimate in learned]
+    errors = [estimate.gap for estimate in learned] - np.interp(times, rows[:, 0], gaps)
+    uncertainties = np.rad2deg([estimate.uncertainty for estimate in learned])
+    return Result(estimates, np.rad2deg(errors), uncertainties, estimator)
+
+
+LIMITS = {
+    "the paper's": (0.08, 0.3),
+    "Coulomb friction": (0.25, 0.5),
+    "amplifier offset": (0.09, 0.3),
+    "late reading": (0.06, 0.2),
+    "pushes": (0.15, 0.4),
+    "everyday": (0.6, 2.5),
+}
+"""Largest error of the gap, rms and worst [deg]."""
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_gap_is_found_in_nearly_every_window(name):
+    found = result(name)
+    rms, worst = LIMITS[name]
+    assert found.errors.size >= len(found.estimates) - 4
+    assert math.sqrt(np.mean(found.errors**2)) < rms
+    assert np.abs(found.errors).max() < worst
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_no_answer_is_wrong_and_sure(name):
+    found = result(name)
+    assert (np.abs(found.errors) < 9.0 * found.uncertainties).all()
+
+
+def test_intervals_hold_over_all_machines_and_are_not_too_wide():
+    found = [result(name) for name in MACHINES]
+    ratios = np.abs(np.concatenate([each.errors / each.uncertainties for each in found]))
+    assert np.mean(ratios < 1.96) > 0.87
+    assert np.median(ratios) > 0.4
+
+
+@pytest.mark.parametrize("name", ["amplifier offset", "everyday"])
+def test_an_offset_of_the_amplifier_is_stated_with_its_uncertainty(name):
+    true, estimates = MACHINES[name].amplifier_offset, result(name).estimates
+    stated = [estimate for estimate in estimates if estimate.compensation is not None]
+    # Once it is stated it stays.
+    assert stated == estimates[-len(stated) :]
+    assert len(stated) > 20
+    for estimate in stated:
+        error = abs(estimate.voltage_offset - true)
+        assert error < 6.0 * estimate.voltage_offset_uncertainty
+        assert estimate.voltage_offset_uncertainty < 2e-3
+    assert stated[-1].compensation == pytest.approx(-true, abs=3e-4)
+
+
+@pytest.mark.parametrize("name", ["the paper's", "Coulomb friction", "late reading", "pushes"])
+def test_of_a_machine_without_an_offset_none_is_ever_stated(name):
+    """A controller that compensates what is not there lets the motor creep in the dead zone."""
+    assert {estimate.compensation for estimate in result(name).estimates} == {None}
+
+
+def told_of(name):
+    return dict(
+        zip(
+            ("friction_voltage", "voltage_offset", "delay", "drift"),
+            result(name).estimator.last_fit.fit.unknowns.effects.tolist(),
+            strict=True,
+        )
+    )
+
+
+def test_friction_is_found_as_the_voltage_that_it_takes():
+    told = told_of("Coulomb friction")
+    assert told["friction_voltage"] == pytest.approx(FRICTION_VOLTAGE, rel=0.1)
+
+
+def test_a_late_reading_is_found_to_be_late():
+    assert told_of("late reading")["delay"] == pytest.approx(1e-3, abs=2e-4)
+
+
+def test_a_machine_without_any_effect_is_told_to_have_none():
+    told = told_of("the paper's")
+    assert abs(told["friction_voltage"]) < 1e-3
+    assert abs(told["voltage_offset"]) < 1e-3
+    # Steps of the machine lead by half their length, once for each integration.
+    assert abs(told["delay"]) < 1e-4
+
+
+def test_pushes_are_recognized_where_they_are():
+    found = result("pushes").estimator.last_fit
+    blocks = np.flatnonzero(found.fit.pushed)
+    times = found.window.stretches[0].first / RATE + blocks / found.window.block_rate
+    since = times % 7.0
+    assert blocks.size > 0
+    # A push lasts for 50 ms, and the platforms ring on; the first of the window is at 14 s.
+    assert (since < 0.5).all()
+    assert {round(time // 7.0) for time in times} >= {2, 3}
