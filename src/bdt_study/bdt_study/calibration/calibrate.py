@@ -19,8 +19,11 @@ from bdt_study.calibration.start_values import Configuration, start_model
 from bdt_study.calibration.validation import Residual, residual_of, validate_machine
 from bdt_twin.model_factors import check_room
 
-MISFIT = 0.1
-"""Share of the motion that a residual may have before nothing is learned from the fit."""
+MISFIT = 0.02
+"""Share of the motion that may be a surprise from one comparison to the next, in a fit that
+explains it."""
+
+IS_IT = ": is this voltage and position of one mechanism?"
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,13 +128,17 @@ def calibrate_recording(
     except ValueError as error:
         raise BadInputError(f"start values: {error}") from error
     data = calibration_data(recording, seconds, start.lead_screw.pitch)
-    found = identify(start, data)
+    try:
+        found = identify(start, data)
+    except ValueError as error:
+        raise BadInputError(f"bag {recording.path}: {error}{IS_IT}") from error
     residual = residual_of(data, found)
     motion = float(np.std(residual.position))
-    if not found.fit.residual <= MISFIT * motion:
+    unexplained = found.fit.prediction_error
+    if not unexplained <= MISFIT * motion:
         raise BadInputError(
-            f"bag {recording.path}: the model does not explain {1e6 * found.fit.residual:.3g} um "
-            f"of a motion of {1e6 * motion:.3g} um: is this voltage and position of one mechanism?"
+            f"bag {recording.path}: the model does not explain {1e6 * unexplained:.3g} um "
+            f"of a motion of {1e6 * motion:.3g} um{IS_IT}"
         )
     reversals = found.reversals
     last = data.stretches[-1]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_window import CalibrationWindow
+from bdt_study.calibration.segment_covariance import segment_covariance
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS, model_with
 from bdt_twin.output_error_fit import Fit, WindowFit
@@ -37,6 +38,12 @@ FIRST_STIFFNESSES = (0.5, 0.7, 1.0, 1.4, 2.0)
 """Factors on k/m from which it begins: ringing is found again within a fifth of its frequency."""
 FIRST_FRICTIONS = (0.0, 0.2)
 """Voltages for the friction, beside the known one, from which it begins [V]."""
+ROUGH_MISFIT = 0.5
+"""Share of the motion that the best beginning may leave."""
+OTHER_GAPS = (3.0, 8.0, 16.0, 28.0)
+"""Gaps from which it begins again if noise of the machine is found [deg]."""
+UNTOLD = 1e-9
+"""Standard deviation of an effect that is not looked for yet."""
 SURVIVORS = (12, 4, 2)
 """How many beginnings are left after each round of the search."""
 ROUNDS = (2, 4, 8)
@@ -154,17 +161,43 @@ def identify(model: PlantModel, data: Data) -> Identification:
         Start values, each off by up to a factor of two.
     data : Data
         Telemetry.
+
+    Raises
+    ------
+    ValueError
+        If no such machine explains the data even roughly.
     """
     found = _search(model, data)
     # The fit goes on from a model whose factors are ones: its logarithms are bounded.
     begun = model_with(model, found.factors)
     knowledge = wide_knowledge(friction_voltage(model))
-    knowledge = knowledge._replace(expected=knowledge.expected.copy())
     knowledge.expected[: len(FACTORS)] = -found.factors
     window = data.window(begun)
     problem = WindowFit(window, GROWTH_CHANGE, knowledge)
     start = replace(found, factors=np.zeros(len(FACTORS)))
-    return Identification(begun, window, _fitted(problem, start))
+    fit = _fitted(problem, start)
+    if fit.levels[1:] != (0.0, 0.0, 0.0):
+        # Where the model is wrong, least squares may have led astray, to no gap at all say.
+        other = _with_any_gap(window, knowledge, start)
+        fit = min(
+            (fit, problem.solve(other.unknowns, FINE, 3 * FINE, levels=other.levels)),
+            key=lambda each: each.prediction_error,
+        )
+    return Identification(begun, window, replace(fit, covariance=segment_covariance(window, fit)))
+
+
+def _with_any_gap(window: CalibrationWindow, knowledge: MachineKnowledge, start: Unknowns) -> Fit:
+    """Return the best fit of a coarse copy that allows for noise of the machine all along."""
+    coarse = window.coarse(COARSE_RATE, COARSE_BLOCK_RATE)
+    problem = WindowFit(coarse, GROWTH_CHANGE, knowledge)
+    beginning = initial_conditions_at_rest(coarse)
+    fits = []
+    for gap in OTHER_GAPS:
+        gaps = np.full(coarse.knots.size, math.radians(gap))
+        unknowns = replace(start, gaps=gaps, initial_conditions=beginning)
+        levels = problem.solve(unknowns, 0, 1).levels
+        fits.append(problem.solve(unknowns, FINE, 3 * FINE, levels=levels))
+    return min(fits, key=lambda each: each.prediction_error)
 
 
 def identify_from(known: Identification, data: Data) -> Identification:
@@ -230,21 +263,32 @@ def _moved(known: Identification, window: CalibrationWindow) -> Unknowns:
 
 def _search(model: PlantModel, data: Data) -> Unknowns:
     """Return the most likely of many beginnings, on a coarse copy of the data."""
-    window = data.window(model)
-    coarse = window.coarse(COARSE_RATE, COARSE_BLOCK_RATE)
+    coarse = data.window(model).coarse(COARSE_RATE, COARSE_BLOCK_RATE)
     friction = friction_voltage(model)
-    problem = WindowFit(coarse, GROWTH_CHANGE, wide_knowledge(friction))
+    knowledge = wide_knowledge(friction)
     frictions = dict.fromkeys((friction, *FIRST_FRICTIONS))
     candidates = []
     for gap, stiffness, voltage in product(FIRST_GAPS, FIRST_STIFFNESSES, frictions):
         factors, effects = np.zeros(len(FACTORS)), np.zeros(len(EFFECTS))
         factors[FACTORS.index("stiffness")] = math.log(stiffness)
         effects[EFFECTS.index("friction_voltage")] = voltage
-        gaps = np.full(window.knots.size, math.radians(gap))
+        gaps = np.full(coarse.knots.size, math.radians(gap))
         beginning = initial_conditions_at_rest(coarse)
         candidates.append(Unknowns(gaps, factors, beginning, effects))
-    for steps, survivors in zip(ROUNDS, SURVIVORS, strict=True):
+    for number, (steps, survivors) in enumerate(zip(ROUNDS, SURVIVORS, strict=True)):
+        spread = np.diag(knowledge.covariance).copy()
+        if number < len(ROUNDS) - 1:
+            # A late reading and a gap are alike at reversals: the gap comes first.
+            spread[len(FACTORS) + EFFECTS.index("delay")] = UNTOLD**2
+            spread[len(FACTORS) + EFFECTS.index("drift")] = UNTOLD**2
+        problem = WindowFit(coarse, GROWTH_CHANGE, knowledge._replace(covariance=np.diag(spread)))
         fits = [problem.solve(each, steps, 2 * steps) for each in candidates]
         fits.sort(key=lambda fit: fit.residual)
         candidates = [fit.unknowns for fit in fits[:survivors]]
+    motion = max(float(np.std(stretch.position)) for stretch in coarse.stretches)
+    if not fits[0].residual <= ROUGH_MISFIT * motion:
+        raise ValueError(
+            f"the model does not explain {1e6 * fits[0].residual:.3g} um "
+            f"of a motion of {1e6 * motion:.3g} um"
+        )
     return candidates[0]

@@ -17,6 +17,7 @@ from bdt_study.calibration.identification import (
     EFFECT_SPREAD,
     FACTOR_SPREAD,
     Identification,
+    friction_voltage,
 )
 from bdt_study.calibration.start_values import model_values
 from bdt_twin.machine_knowledge import EFFECTS
@@ -29,6 +30,9 @@ VISCOUS_SHARE = 0.005
 """Share of the back EMF that viscous friction which nobody has looked for may seem to be."""
 SAMPLE_SHARE = 0.25
 """Share of a sample time by which the delay is unsure whatever the data: they are samples."""
+
+FRICTION_DOUBT = 3.0
+"""Times that the friction is off by more than the walk of the motor in a second tells."""
 
 HELD = (
     "motor.torque_constant",
@@ -44,7 +48,7 @@ LARGEST_UNCERTAINTY = {
     "gain": 0.05,
     "stiffness": 0.05,
     "damping": 0.2,
-    "friction_voltage": 0.02,
+    "friction_voltage": 0.05,
     "voltage_offset": 0.01,
     "delay": 2.5e-4,
     "drift": 2e-7,
@@ -113,6 +117,11 @@ class _Finding:
         machine = found.fit.machine
         names = (*FACTORS, *EFFECTS)
         deviations = np.sqrt(np.diag(machine.covariance)).tolist()
+        friction = len(FACTORS) + EFFECTS.index("friction_voltage")
+        doubt = _friction_doubt(found)
+        deviations[friction] = math.hypot(deviations[friction], doubt)
+        # Friction that is off by a voltage makes all speeds off by its share of the voltage.
+        deviations[0] = math.hypot(deviations[0], doubt / _usual_voltage(found))
         gain = start.motor.back_emf_constant / found.found_model.motor.back_emf_constant
         ratios = [_ratios(found.found_model), _ratios(start)]
         factors = (
@@ -120,8 +129,7 @@ class _Finding:
             *(after / before for after, before in zip(*ratios, strict=True)),
         )
         values = [*factors, *machine.expected[len(FACTORS) :].tolist()]
-        friction = start.motor.coulomb_friction / start.motor.torque_constant
-        starts = [1.0] * len(FACTORS) + [friction * start.motor.resistance, 0.0, 0.0, 0.0]
+        starts = [1.0] * len(FACTORS) + [friction_voltage(start), 0.0, 0.0, 0.0]
         spreads = (*FACTOR_SPREAD, *EFFECT_SPREAD)
         self.values, self.deviations = {}, {}
         self.determined = {
@@ -295,6 +303,24 @@ def _held_constants(values: dict[str, float], doubt: dict[str, float]) -> dict[s
             revealed_by=_BY_OTHER_MEANS[name],
         )
     return held
+
+
+def _friction_doubt(found: Identification) -> float:
+    """Return by how much the friction's voltage is unsure because it is not the same always [V].
+
+    A walk of the motor that the data show is what friction does that depends on speed or place. By
+    how much it is off in a second, the friction may be off in all of them.
+    """
+    motor, pitch = found.found_model.motor, found.model.lead_screw.pitch
+    walk = max(found.fit.levels.fast, found.fit.levels.slow)
+    return FRICTION_DOUBT * walk * motor.back_emf_constant / pitch
+
+
+def _usual_voltage(found: Identification) -> float:
+    """Return the rms of the voltage while the motor turns [V]."""
+    voltage = np.concatenate([stretch.voltage for stretch in found.window.stretches])
+    turns = np.abs(voltage) > found.effect("friction_voltage")
+    return float(np.sqrt(np.mean(np.square(voltage[turns])))) if turns.any() else 1.0
 
 
 def _motor_lag(model: PlantModel) -> float:
