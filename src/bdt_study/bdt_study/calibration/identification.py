@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_study.calibration.segment_covariance import segment_covariance
+from bdt_twin.innovations import SMALLEST_NOISE
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS, model_with
 from bdt_twin.output_error_fit import Fit, WindowFit
@@ -38,10 +39,16 @@ FIRST_STIFFNESSES = (0.5, 0.7, 1.0, 1.4, 2.0)
 """Factors on k/m from which it begins: ringing is found again within a fifth of its frequency."""
 FIRST_FRICTIONS = (0.0, 0.2)
 """Voltages for the friction, beside the known one, from which it begins [V]."""
-ROUGH_MISFIT = 0.5
+ROUGH_MISFIT = 0.25
 """Share of the motion that the best beginning may leave."""
 OTHER_GAPS = (3.0, 8.0, 16.0, 28.0)
 """Gaps from which it begins again if noise of the machine is found [deg]."""
+NO_GAP = math.radians(1.0)
+"""Gap below which there may be none [rad]."""
+HIDDEN_WALK = 2.0
+"""Walks of the motor in a second behind which a gap can hide."""
+PLAUSIBLE = 4.0
+"""Standard deviations of the prior within which a machine is one."""
 UNTOLD = 1e-9
 """Standard deviation of an effect that is not looked for yet."""
 SURVIVORS = (12, 4, 2)
@@ -120,8 +127,14 @@ class Identification:
     def gap_at(self, time: float) -> tuple[float, float]:
         """Return the gap at a time [s] and its standard uncertainty [rad]."""
         weights = self.window.weights(np.array([time]))[:, 0]
-        variance = float(weights @ self.fit.gap_covariance @ weights)
-        return float(weights @ self.fit.unknowns.gaps), math.sqrt(variance)
+        gap = float(weights @ self.fit.unknowns.gaps)
+        uncertainty = math.sqrt(float(weights @ self.fit.gap_covariance @ weights))
+        if gap < NO_GAP:
+            # Noise of the machine at reversals can hide a gap, and no gap can be negative.
+            walk = max(self.fit.levels.fast, self.fit.levels.slow)
+            hidden = HIDDEN_WALK * walk / self.model.lead_screw.pitch
+            uncertainty = math.hypot(uncertainty, hidden)
+        return gap, uncertainty
 
     @property
     def found_model(self) -> PlantModel:
@@ -179,19 +192,34 @@ def identify(model: PlantModel, data: Data) -> Identification:
     if fit.levels[1:] != (0.0, 0.0, 0.0):
         # Where the model is wrong, least squares may have led astray, to no gap at all say.
         other = _with_any_gap(window, knowledge, start)
-        fit = min(
-            (fit, problem.solve(other.unknowns, FINE, 3 * FINE, levels=other.levels)),
-            key=lambda each: each.prediction_error,
-        )
+        other = problem.solve(other.unknowns, FINE, 3 * FINE, levels=other.levels)
+        likely = [each for each in (fit, other) if _is_plausible(each, knowledge)]
+        fit = min(likely or [fit], key=lambda each: each.prediction_error)
     return Identification(begun, window, replace(fit, covariance=segment_covariance(window, fit)))
+
+
+def _is_plausible(fit: Fit, knowledge: MachineKnowledge) -> bool:
+    """Tell whether a machine is what the prior allows, and not all of it noise of the machine."""
+    off = np.abs(fit.machine.expected - knowledge.expected)
+    spread = np.sqrt(np.diag(knowledge.covariance))
+    return bool((off <= PLAUSIBLE * spread).all()) and fit.levels.reading > 2.0 * SMALLEST_NOISE
+
+
+def _without_late_readings(knowledge: MachineKnowledge) -> MachineKnowledge:
+    """Return a prior that holds delay and drift: at reversals a gap is like a late reading."""
+    spread = np.diag(knowledge.covariance).copy()
+    spread[[len(FACTORS) + EFFECTS.index(name) for name in ("delay", "drift")]] = UNTOLD**2
+    return knowledge._replace(covariance=np.diag(spread))
 
 
 def _with_any_gap(window: CalibrationWindow, knowledge: MachineKnowledge, start: Unknowns) -> Fit:
     """Return the best fit of a coarse copy that allows for noise of the machine all along."""
     coarse = window.coarse(COARSE_RATE, COARSE_BLOCK_RATE)
-    problem = WindowFit(coarse, GROWTH_CHANGE, knowledge)
+    problem = WindowFit(coarse, GROWTH_CHANGE, _without_late_readings(knowledge))
     beginning = initial_conditions_at_rest(coarse)
-    fits = []
+    effects = start.effects.copy()
+    effects[[EFFECTS.index("delay"), EFFECTS.index("drift")]] = 0.0
+    start, fits = replace(start, effects=effects), []
     for gap in OTHER_GAPS:
         gaps = np.full(coarse.knots.size, math.radians(gap))
         unknowns = replace(start, gaps=gaps, initial_conditions=beginning)
@@ -276,12 +304,9 @@ def _search(model: PlantModel, data: Data) -> Unknowns:
         beginning = initial_conditions_at_rest(coarse)
         candidates.append(Unknowns(gaps, factors, beginning, effects))
     for number, (steps, survivors) in enumerate(zip(ROUNDS, SURVIVORS, strict=True)):
-        spread = np.diag(knowledge.covariance).copy()
-        if number < len(ROUNDS) - 1:
-            # A late reading and a gap are alike at reversals: the gap comes first.
-            spread[len(FACTORS) + EFFECTS.index("delay")] = UNTOLD**2
-            spread[len(FACTORS) + EFFECTS.index("drift")] = UNTOLD**2
-        problem = WindowFit(coarse, GROWTH_CHANGE, knowledge._replace(covariance=np.diag(spread)))
+        is_last = number == len(ROUNDS) - 1
+        prior = knowledge if is_last else _without_late_readings(knowledge)
+        problem = WindowFit(coarse, GROWTH_CHANGE, prior)
         fits = [problem.solve(each, steps, 2 * steps) for each in candidates]
         fits.sort(key=lambda fit: fit.residual)
         candidates = [fit.unknowns for fit in fits[:survivors]]
