@@ -119,6 +119,8 @@ def test_files_and_json_of_the_command(bag, start, tmp_path, capsys):
         assert configuration.value(node, "motor.coulomb_friction") == pytest.approx(0.01, abs=1e-4)
     assert configuration.value("plant", "gap.kind") == "constant"
     assert configuration.value("controller", "voltage_offset") == pytest.approx(-0.02, abs=1e-3)
+    assert configuration.value("plant", "actuator.offset") == pytest.approx(0.02, abs=1e-3)
+    assert configuration.value("plant", "sensor.delay") == pytest.approx(0.5e-3, abs=1e-4)
     assert configuration.value("controller", "voltage_limit") == 24.0
     assert configuration.value("controller", "dead_zone_tolerance") == pytest.approx(
         math.radians(12.0) * 1e-3 / (2 * math.pi), rel=0.05

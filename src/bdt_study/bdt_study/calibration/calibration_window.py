@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from bdt_twin.forward_model import StretchResponse
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.window_model import Unknowns, WindowModel
+from bdt_twin.unknowns import Unknowns
+from bdt_twin.window_model import WindowModel
 
 FloatArray = NDArray[np.float64]
 

@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_study.calibration.segment_covariance import segment_covariance
-from bdt_twin.innovations import SMALLEST_NOISE
+from bdt_twin.fit_result import Fit
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS, model_with
-from bdt_twin.output_error_fit import Fit, WindowFit
-from bdt_twin.window_model import Stretch, Unknowns
+from bdt_twin.noise_levels import SMALLEST_NOISE
+from bdt_twin.output_error_fit import WindowFit
+from bdt_twin.unknowns import Unknowns
+from bdt_twin.window_model import Stretch
 from bdt_twin.window_search import initial_conditions_at_rest
 
 FloatArray = NDArray[np.float64]

@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 
 from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_twin.block_residual import variance_inflation
-from bdt_twin.innovations import HUBER, Whitening
-from bdt_twin.output_error_fit import PUSHED, Fit, huber_weights
+from bdt_twin.fit_result import Fit
+from bdt_twin.innovations import Whitening
+from bdt_twin.noise_levels import HUBER
+from bdt_twin.output_error_fit import MACHINE_DOUBT, PUSHED, huber_weights
 
 FloatArray = NDArray[np.float64]
 
@@ -49,9 +51,10 @@ def segment_covariance(window: CalibrationWindow, fit: Fit) -> FloatArray:
     )
     jacobian = whitening.apply(window.jacobian(fit.unknowns, fit.responses))
     bounded = np.clip(fit.innovations, -HUBER, HUBER)
-    inflation = variance_inflation(bounded, window.block_rate) * max(
-        1.0, float(np.mean(np.square(bounded)))
-    )
+    inflation = variance_inflation(bounded, window.block_rate)
+    inflation *= max(1.0, float(np.mean(np.square(bounded))))
+    if any(fit.levels[1:]):
+        inflation *= MACHINE_DOUBT * MACHINE_DOUBT
     # The slope that belongs to the information behind the fit's covariance.
     slopes = jacobian * (huber_weights(fit.innovations) * fit.innovations / inflation)
     length = max(round(SEGMENT * window.block_rate), 1)
