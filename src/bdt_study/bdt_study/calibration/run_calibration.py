@@ -5,6 +5,7 @@ import json
 import math
 from pathlib import Path
 
+from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
@@ -75,7 +76,7 @@ def _write(option: str, path: Path, text: str) -> None:
 
 def _print(result: Calibration, output: Path | None, report: Path | None) -> None:
     console = Console()
-    table = Table(title="the machine that was found")
+    table = Table(title="the machine that was found", box=SIMPLE, padding=(0, 1, 0, 0))
     table.add_column("constant", no_wrap=True)
     for name in ("found", "±", "± given *"):
         table.add_column(name, justify="right", no_wrap=True)
