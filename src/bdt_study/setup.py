@@ -18,7 +18,9 @@ setup(
     maintainer_email=maintainer.get("email"),
     python_requires=">=3.11",
     packages=find_packages(),
-    package_data={name: ["py.typed", "benchmarks/*.c", "reproduction/*.html"]},
+    package_data={
+        name: ["py.typed", "benchmarks/*.c", "calibration/*.html", "reproduction/*.html"]
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{name}"]),
         (f"share/{name}", ["package.xml"]),
@@ -34,6 +36,7 @@ setup(
         "matplotlib>=3.6",
         "numba>=0.58",
         "numpy>=1.26",
+        "pyyaml>=6",
         "rich>=13",
         "scipy>=1.11",
     ],
@@ -41,6 +44,7 @@ setup(
     entry_points={
         "bdt.command": [
             "bench = bdt_study.commands.bench:COMMAND",
+            "calibrate = bdt_study.commands.calibrate:COMMAND",
             "design = bdt_study.commands.design:COMMAND",
             "evaluate = bdt_study.commands.evaluate:COMMAND",
             "reproduce = bdt_study.commands.reproduce:COMMAND",

@@ -86,7 +86,7 @@ def test_all_other_knowledge_stays_when_an_effect_is_left_out_or_forgotten(seed,
     known = told(seed)
     others = np.delete(np.arange(COUNT), [len(FACTORS) + effect for effect in effects])
     for changed in (known.without(effects), known.forgetting(effects)):
-        assert (changed.expected == known.expected).all()
+        assert (changed.expected[others] == known.expected[others]).all()
         both = np.ix_(others, others)
         assert (changed.covariance[both] == known.covariance[both]).all()
 

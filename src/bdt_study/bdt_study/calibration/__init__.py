@@ -1,0 +1,1 @@
+"""Constants of a machine from a minute of its telemetry."""

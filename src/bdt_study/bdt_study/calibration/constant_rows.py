@@ -1,0 +1,62 @@
+"""Rows of the table of constants, for the terminal and for the page."""
+
+from dataclasses import dataclass
+
+from bdt_study.calibration.calibrate import Calibration
+from bdt_study.calibration.start_values import model_values
+
+
+@dataclass(frozen=True)
+class ConstantRow:
+    """A constant as texts.
+
+    Attributes
+    ----------
+    name, unit : str
+        Name and unit.
+    start, value : str
+        Start value, "" for what has none, and value that was found.
+    uncertainty, given_only : str
+        Standard uncertainty with and without the doubt about what it is stated for.
+    determined : bool
+        Whether the data tell it.
+    given : tuple of str
+        Constants for whose start values it is stated.
+    """
+
+    name: str
+    unit: str
+    start: str
+    value: str
+    uncertainty: str
+    given_only: str
+    determined: bool
+    given: tuple[str, ...]
+
+
+def constant_rows(result: Calibration) -> list[ConstantRow]:
+    """Return a row for each constant, those that the data tell first."""
+    start = model_values(result.start)
+    rows = [
+        ConstantRow(
+            name,
+            each.unit,
+            f"{start[name]:.4g}" if name in start else "",
+            f"{each.value:.5g}",
+            f"{each.standard_uncertainty:.2g}",
+            f"{each.standard_uncertainty_given:.2g}" if each.given else "",
+            each.determined,
+            each.given,
+        )
+        for name, each in result.constants.items()
+    ]
+    return sorted(rows, key=lambda row: not row.determined)
+
+
+def hints(result: Calibration) -> list[str]:
+    """Return for each constant that the data do not tell what would tell it."""
+    return [
+        f"{name}, keeps {each.value:.4g} {each.unit}; would be told by {each.revealed_by}"
+        for name, each in result.constants.items()
+        if not each.determined
+    ]

@@ -1,0 +1,90 @@
+"""Figures of a calibration: residual in time and frequency, correlations."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from scipy.signal import welch
+
+from bdt_analysis.figures import figure_style as style
+from bdt_study.calibration.calibrate import Calibration
+from bdt_study.calibration.validation import Residual
+from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.model_factors import FACTORS
+
+FloatArray = NDArray[np.float64]
+
+MOST_POINTS = 2000
+"""Pairs of smallest and largest value that a curve is drawn with."""
+SEGMENT = 2.0
+"""Length of the pieces whose spectra are averaged [s]."""
+HIGHEST = 200.0
+"""Highest frequency that is shown [Hz]."""
+
+
+def residual_figure(result: Calibration) -> Figure:
+    """Return position and residuals over time, those of the validation beside those of the fit."""
+    fit, validation = result.residual, result.validation
+    with style.house_style():
+        figure = style.new_figure(9.6, 5.4)
+        position, residual = figure.subplots(2, 1, sharex=True, height_ratios=(1, 2))
+        position.plot(*_thinned(fit.times, 1e3 * fit.position), color=style.POSITION)
+        position.set_ylabel("$q_3$ [mm]")
+        residual.plot(
+            *_thinned(fit.times, 1e6 * fit.residual), color=style.ESTIMATE, label="fit to all"
+        )
+        residual.plot(
+            *_thinned(validation.times, 1e6 * validation.residual),
+            color=style.DEAD_ZONE,
+            alpha=0.7,
+            label="second half, machine of the first",
+        )
+        residual.set_ylabel("residual [µm]")
+        residual.set_xlabel("time [s]")
+        style.outside_legend(residual, 2)
+        style.fix_layout(figure)
+    return figure
+
+
+def spectrum_figure(result: Calibration) -> Figure:
+    """Return the amplitude spectral densities of the residuals and of the motion."""
+    rate = result.data.sampling_rate
+    with style.house_style():
+        figure = style.new_figure(9.6, 3.6)
+        axes = figure.subplots()
+        curves: tuple[tuple[str, str, FloatArray], ...] = (
+            ("$q_3$", style.POSITION, result.residual.position),
+            ("residual of the fit", style.ESTIMATE, result.residual.residual),
+            ("residual of the validation", style.DEAD_ZONE, _values(result.validation)),
+        )
+        for label, color, values in curves:
+            length = min(round(SEGMENT * rate), values.size)
+            frequency, power = welch(values, rate, nperseg=length, detrend="linear")
+            shown = (frequency > 0.0) & (frequency <= HIGHEST)
+            axes.loglog(frequency[shown], np.sqrt(power[shown]), color=color, label=label)
+        axes.set_xlabel("frequency [Hz]")
+        axes.set_ylabel("density [m/√Hz]")
+        style.outside_legend(axes, 3)
+        style.fix_layout(figure)
+    return figure
+
+
+def correlation_table(result: Calibration) -> tuple[list[str], list[list[str]]]:
+    """Return names, and the correlations of what was fitted as texts."""
+    covariance = result.found.fit.machine.covariance
+    scale = 1.0 / np.sqrt(np.diag(covariance))
+    correlations = covariance * np.outer(scale, scale)
+    names = [name.replace("_", " ") for name in (*FACTORS, *EFFECTS)]
+    return names, [[f"{value:+.2f}" for value in row] for row in correlations.tolist()]
+
+
+def _values(residual: Residual) -> FloatArray:
+    return residual.residual
+
+
+def _thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return smallest and largest value of each piece, so that no peak is lost."""
+    every = max(values.size // MOST_POINTS, 1)
+    count = values.size // every
+    pieces = values[: count * every].reshape(count, every)
+    ends = np.stack([pieces.min(axis=1), pieces.max(axis=1)], axis=1).ravel()
+    return np.repeat(times[: count * every : every], 2), ends

@@ -1,0 +1,192 @@
+"""A machine is found from a minute of telemetry, on an independent simulation of it."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from independent_machine import Machine, commissioning_reference, telemetry
+from recorded_loops import Messages
+
+from bdt_bringup.cli import run_command
+from bdt_bringup.configuration import load_configuration
+from bdt_msgs_py.command_errors import BAD_INPUT
+from bdt_study.calibration.calibrate import calibrate
+from bdt_study.calibration.machine_constants import HELD
+from bdt_study.calibration.start_values import read_configuration
+
+MACHINE = Machine()
+START = """
+/**/twin:
+  ros__parameters:
+    motor: {back_emf_constant: 0.19}
+    structure: {stiffness: 5200.0, damping: 70.0}
+/**/controller:
+  ros__parameters:
+    voltage_limit: 24.0
+"""
+
+
+def bag_of(path, rows, batch=500):
+    messages = Messages()
+    messages.telemetry(rows, batch)
+    return messages.write(path)
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory):
+    rows = telemetry(MACHINE, commissioning_reference(62.0))
+    return bag_of(tmp_path_factory.mktemp("machine") / "bag", rows)
+
+
+@pytest.fixture(scope="module")
+def start(tmp_path_factory):
+    path = tmp_path_factory.mktemp("start") / "start.yaml"
+    path.write_text(START)
+    return path
+
+
+@pytest.fixture(scope="module")
+def result(bag, start):
+    return calibrate(bag, read_configuration(start))
+
+
+@pytest.mark.parametrize(
+    ("name", "truth", "tolerance"),
+    [
+        ("motor.back_emf_constant", 0.1, 1e-4),
+        ("motor.coulomb_friction", 10e-3, 2e-5),
+        ("friction_voltage", 0.15, 3e-4),
+        ("structure.stiffness", 1e4, 10.0),
+        ("structure.damping", 36.9, 0.2),
+        ("actuator.offset", 20e-3, 2e-4),
+        # The integration of the independent simulation is late by two of its steps.
+        ("sensor.delay", 0.5e-3, 0.06e-3),
+        ("sensor.drift", 0.0, 1e-7),
+        ("gap.initial", math.radians(12.0), math.radians(0.05)),
+    ],
+)
+def test_what_the_data_tell_is_found_from_values_off_by_a_factor_of_two(
+    result, name, truth, tolerance
+):
+    found = result.constants[name]
+    assert found.determined
+    assert found.value == pytest.approx(truth, abs=tolerance)
+    assert abs(found.value - truth) < 3.0 * found.standard_uncertainty
+
+
+def test_what_they_do_not_tell_keeps_its_value_and_is_named_with_what_would(result):
+    for name in HELD:
+        found = result.constants[name]
+        assert not found.determined
+        assert found.revealed_by
+    assert result.constants["structure.mass"].value == 5.2
+
+
+def test_what_is_told_as_a_ratio_is_as_unsure_as_its_other_part(result):
+    stiffness, mass = result.constants["structure.stiffness"], result.constants["structure.mass"]
+    relative = mass.standard_uncertainty / mass.value
+    assert stiffness.given == ("structure.mass",)
+    assert stiffness.standard_uncertainty / stiffness.value == pytest.approx(relative, rel=0.01)
+    assert stiffness.standard_uncertainty_given < 0.01 * stiffness.standard_uncertainty
+
+
+def test_the_residual_is_the_noise_in_the_half_that_was_not_fitted_as_well(result):
+    assert result.residual.rms == pytest.approx(MACHINE.noise, rel=0.05)
+    assert result.validation.rms == pytest.approx(MACHINE.noise, rel=0.05)
+    assert result.validation.times[0] > 0.4 * result.residual.times[-1]
+
+
+def test_files_and_json_of_the_command(bag, start, tmp_path, capsys):
+    output, report = tmp_path / "calibrated.yaml", tmp_path / "report"
+    options = ["--config", start, "--output", output, "--report", report, "--json"]
+    # Less is looked at than there is, and still enough.
+    arguments = ["calibrate", bag, *options, "--seconds", "30", "--known", "structure.mass"]
+    assert run_command([str(each) for each in arguments]) == 0
+    said = json.loads(capsys.readouterr().out)
+    stiffness = said["parameters"]["structure.stiffness"]
+    assert stiffness["determined"]
+    assert stiffness["unit"] == "N/m"
+    assert stiffness["standard_uncertainty"] < 10.0
+    assert said["gap_rad"] == pytest.approx(math.radians(12.0), abs=math.radians(0.1))
+    assert said["gap_standard_uncertainty_rad"] < math.radians(0.1)
+    assert said["delay_s"] == said["parameters"]["sensor.delay"]["value"]
+    assert said["validation_rms_m"] < 2.0 * said["residual_rms_m"]
+    configuration = load_configuration(output)
+    for node in ("plant", "twin"):
+        assert configuration.value(node, "motor.back_emf_constant") == pytest.approx(0.1, abs=1e-3)
+        assert configuration.value(node, "motor.coulomb_friction") == pytest.approx(0.01, abs=1e-4)
+    assert configuration.value("plant", "gap.kind") == "constant"
+    assert configuration.value("controller", "voltage_offset") == pytest.approx(-0.02, abs=1e-3)
+    assert configuration.value("plant", "actuator.offset") == pytest.approx(0.02, abs=1e-3)
+    assert configuration.value("plant", "sensor.delay") == pytest.approx(0.5e-3, abs=1e-4)
+    assert configuration.value("controller", "voltage_limit") == 24.0
+    assert configuration.value("controller", "dead_zone_tolerance") == pytest.approx(
+        math.radians(12.0) * 1e-3 / (2 * math.pi), rel=0.05
+    )
+    page = (report / "report.html").read_text()
+    assert page.count("<svg") == 2
+    for text in ("structure.mass", "Correlations", "would be told by"):
+        assert text in page
+
+
+def resting_rows(duration):
+    rows = np.zeros((round(duration * 5000), 3))
+    rows[:, 0] = np.arange(len(rows)) / 5000.0
+    return rows
+
+
+def held_rows(duration):
+    """Return telemetry of a motor that is too weak for what holds it."""
+    stuck = replace(MACHINE, friction=1.0, offset=0.0, noise=0.0)
+    return telemetry(stuck, commissioning_reference(duration))
+
+
+@pytest.mark.parametrize(
+    ("rows", "options", "reason"),
+    [
+        (resting_rows(20.0), [], "the motor does not move: its voltage is 0 V"),
+        (
+            held_rows(20.0),
+            [],
+            "the platform moves over 0 um: must be at least 159 um, a radian of the screw",
+        ),
+        (
+            telemetry(MACHINE, commissioning_reference(6.0)),
+            [],
+            "6 s of telemetry without holes: must be at least 10 s",
+        ),
+        (None, ["--seconds", "2"], "--seconds 2: must be 10 to 600"),
+        (None, ["--known", "structure.mas"], "did you mean structure.mass?"),
+        (None, ["--config", "missing.yaml"], "--config missing.yaml: cannot be read"),
+    ],
+)
+def test_what_cannot_be_used_is_one_line(bag, tmp_path, capsys, rows, options, reason):
+    given = bag
+    if rows is not None:
+        given = bag_of(tmp_path / "bag", rows)
+    assert run_command(["calibrate", str(given), *options]) == BAD_INPUT
+    said = capsys.readouterr().err
+    assert reason in said
+    assert said.count("\n") == 1
+
+
+def test_telemetry_that_is_none_of_a_mechanism_is_refused(tmp_path, capsys):
+    generator = np.random.default_rng(1)
+    rows = np.zeros((60_000, 3))
+    rows[:, 0] = np.arange(60_000) / 5000.0
+    rows[:, 1] = np.repeat(generator.standard_normal(120), 500)
+    rows[:, 2] = 1e-3 * np.repeat(generator.standard_normal(600), 100)
+    assert run_command(["calibrate", str(bag_of(tmp_path / "bag", rows))]) == BAD_INPUT
+    said = capsys.readouterr().err
+    assert "the model does not explain" in said
+    assert said.count("\n") == 1
+
+
+def test_a_bag_without_telemetry_is_refused(tmp_path, capsys):
+    messages = Messages()
+    messages.reference(0.0, 1e-3)
+    path = messages.write(tmp_path / "bag")
+    assert run_command(["calibrate", str(path)]) == BAD_INPUT
+    assert capsys.readouterr().err.count("\n") == 1
