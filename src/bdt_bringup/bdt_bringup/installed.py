@@ -17,6 +17,7 @@ PACKAGE_OF_COMMAND = {
     "recover": "bdt_bags",
     "analyze": "bdt_analysis",
     "compare": "bdt_analysis",
+    "calibrate": "bdt_study",
     "design": "bdt_study",
     "reproduce": "bdt_study",
     "evaluate": "bdt_study",
