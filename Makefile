@@ -10,7 +10,7 @@ PACKAGES := $(addprefix src/,bdt_msgs_py bdt_plant bdt_controller bdt_twin bdt_b
 SOURCES := src tests embedded_ros checks docs/make_figures.py docs/source/conf.py docs/source/extensions
 
 # Tests of one file share what they set up, so a file stays with one process.
-PARALLEL ?= --numprocesses 4 --dist loadfile
+PARALLEL ?= --numprocesses auto --maxprocesses 4 --dist loadfile
 
 .PHONY: run test test-noble conformance stray-messages setup check docs figures dist dist-test version lock
 
