@@ -10,7 +10,7 @@ from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile
 from bdt_study.evaluation import cases, trial
 from bdt_study.evaluation.cases import CASES, draw_scenario
-from bdt_study.evaluation.machine_effects import NO_EFFECTS, MachineEffects
+from bdt_study.evaluation.machine_effects import MachineEffects
 from bdt_study.evaluation.trial import (
     avoidable_limit_cycles,
     error_of,
