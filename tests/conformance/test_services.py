@@ -123,11 +123,13 @@ def test_a_callback_may_block_on_a_call_in_a_multi_threaded_executor(ros):
     group = ReentrantCallbackGroup()
     node.create_service(SetBool, "flag", answer, callback_group=group)
     client = node.create_client(SetBool, "flag", callback_group=group)
-    answers = []
+    answers, once = [], threading.Lock()
 
     def call_once():
-        node.destroy_timer(timer)
-        answers.append(client.call(SetBool.Request(data=True)))
+        # A timer without a period may be ready again before it is destroyed.
+        if once.acquire(blocking=False):
+            node.destroy_timer(timer)
+            answers.append(client.call(SetBool.Request(data=True)))
 
     timer = node.create_timer(0.0, call_once, callback_group=group)
     executor = MultiThreadedExecutor(4, context=ros.context)
