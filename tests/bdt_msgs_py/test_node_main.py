@@ -136,6 +136,56 @@ def test_a_signal_ends_a_node_without_complaint(number):
     assert "Traceback" not in err
 
 
+INTERRUPTED = """
+import atexit, os, signal, sys
+import rclpy
+from rclpy.node import Node
+from rclpy.task import Future
+from bdt_msgs_py.node_main import run_node
+
+places = sys.argv[1:]
+
+def at(place):
+    if place in places:
+        os.kill(os.getpid(), signal.SIGINT)
+
+class MyNode(Node):
+    def __init__(self):
+        super().__init__("my_node")
+        at("creation")
+        self.create_timer(0.0, self.work)
+        self.finished = Future()
+
+    def work(self):
+        at("work")
+        self.finished.set_result(None)
+
+    def destroy_node(self):
+        at("end")
+        super().destroy_node()
+        print("destroyed")
+
+atexit.register(at, "exit")
+code = run_node(MyNode, [])
+print(rclpy.ok())
+sys.exit(code)
+"""
+
+
+@pytest.mark.parametrize(
+    "places", [("creation",), ("work",), ("end",), ("exit",), ("work", "end", "exit")]
+)
+def test_ctrl_c_at_any_time_ends_a_node_without_complaint(places):
+    process = subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED, *places],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    destroyed = "" if places == ("creation",) else "destroyed\n"
+    assert list(ends([process])) == [(0, f"{destroyed}False\n", "")]
+
+
 def test_a_plant_whose_controller_is_gone_ends_with_exit_code_one(ros):
     stamps = set()
     listener = ros.create(Node, "listener")

@@ -1,5 +1,8 @@
 """Command-line arguments mean what they mean to rcl."""
 
+import subprocess
+import sys
+
 import pytest
 import rclpy
 from embedded_ros.ros_arguments import parse_arguments
@@ -145,3 +148,33 @@ def test_malformed_arguments_are_errors_of_init_and_of_nodes(arguments, ros):
         rclpy.init(args=["--ros-args", *arguments], context=Context())
     with pytest.raises(RCLInvalidROSArgsError, match="Failed to parse ROS arguments"):
         Node("n", context=ros.context, cli_args=["--ros-args", *arguments])
+
+
+def loads_yaml(*statements):
+    """Whether a new process has loaded PyYAML after these statements."""
+    program = "\n".join(["import rclpy, sys", *statements, "print('yaml' in sys.modules)"])
+    done = subprocess.run(
+        [sys.executable, "-c", program], check=True, capture_output=True, text=True, timeout=60
+    )
+    return {"True\n": True, "False\n": False}[done.stdout]
+
+
+def test_without_parameters_nothing_waits_for_a_reader_of_yaml():
+    assert not loads_yaml()
+    assert not loads_yaml(
+        "import rclpy.parameter_client",
+        "from rclpy.parameter import Parameter",
+        "rclpy.init(args=['program', 'word:=other', '--ros-args', '-r', '__node:=n'])",
+        "node = rclpy.create_node('m', parameter_overrides=[Parameter('a', value=1)])",
+        "assert node.declare_parameter('a', 0).value == 1",
+        "node.destroy_node()",
+        "rclpy.shutdown()",
+    )
+
+
+@pytest.mark.parametrize("arguments", [["-p", "a:=1"], ["--params-file", "FILE"]])
+def test_parameters_are_read_with_one(tmp_path, arguments):
+    path = tmp_path / "p.yaml"
+    path.write_text("/**: {ros__parameters: {a: 1}}")
+    words = ["--ros-args", *(str(path) if word == "FILE" else word for word in arguments)]
+    assert loads_yaml(f"rclpy.init(args={words!r})", "rclpy.shutdown()")

@@ -1,7 +1,8 @@
 """Parameters as command lines and files of other programs write them, for a request to a node.
 
 What a node itself reads of its command line goes by rcl's rules, which are not those of YAML: see
-:mod:`embedded_ros.yaml_values`.
+:mod:`embedded_ros.yaml_values`. Every program that has parameters imports this module, few have a
+text for it: PyYAML is imported with the first one.
 """
 
 from __future__ import annotations
@@ -9,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
-
-import yaml
 
 from embedded_ros.message_classes import message_class
 from embedded_ros.parameter_selection import SEPARATOR
@@ -25,6 +24,8 @@ _CONTENT = "ros__parameters"
 
 def get_parameter_value(string_value: str) -> Any:
     """Make an ``rcl_interfaces.msg.ParameterValue`` of a text: YAML where that gives a value."""
+    import yaml
+
     try:
         value = yaml.safe_load(string_value)
         type_ = ParameterType.from_parameter_value(value)
@@ -83,6 +84,8 @@ def parameter_dict_from_yaml_file(
     RuntimeError
         If the file is no parameter file or lacks a node.
     """
+    import yaml
+
     with Path(parameter_file).open(encoding="utf-8") as stream:
         sections = yaml.safe_load(stream) or {}
     if not isinstance(sections, Mapping):

@@ -1,18 +1,20 @@
 """ROS command-line arguments: what stands between ``--ros-args`` and ``--``."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from embedded_ros import log_output
 from embedded_ros.errors import RCLInvalidROSArgsError, UnknownROSArgsError
 from embedded_ros.names import expand, join, namespace_error
-from embedded_ros.yaml_values import (
-    ParameterFileError,
-    ParameterValue,
-    read_parameter_file,
-    typed_value,
-)
+
+# Most programs are given no parameters, and every program would wait for PyYAML: what reads YAML
+# is imported with the first text to read.
+if TYPE_CHECKING:
+    from embedded_ros.yaml_values import ParameterValue
 
 __all__ = [
     "NO_ARGUMENTS",
@@ -161,7 +163,7 @@ def parse_arguments(arguments: Sequence[str]) -> RosArguments:
                 case "parameter override rule":
                     parameters.append(_parameter(value))
                 case "params file":
-                    parameters.extend(read_parameter_file(value))
+                    parameters.extend(_parameters_of_file(value))
                 case "log level":
                     levels.append(_log_level(value))
                 case "enclave name":
@@ -268,6 +270,8 @@ def _for_node(text: str) -> tuple[str, str]:
 
 
 def _parameter(rule: str) -> tuple[str, str, ParameterValue | None]:
+    from embedded_ros.yaml_values import ParameterFileError, typed_value
+
     left, separator, text = rule.partition(":=")
     node, name = _for_node(left)
     if not separator or not _PARAMETER.fullmatch(name):
@@ -276,6 +280,12 @@ def _parameter(rule: str) -> tuple[str, str, ParameterValue | None]:
         return f"/{node or '**'}", name, typed_value(text)
     except ParameterFileError as error:
         raise ValueError(f"value of {name!r}: {error}") from None
+
+
+def _parameters_of_file(path: str) -> list[tuple[str, str, ParameterValue | None]]:
+    from embedded_ros.yaml_values import read_parameter_file
+
+    return read_parameter_file(path)
 
 
 def _log_level(text: str) -> tuple[str, int]:

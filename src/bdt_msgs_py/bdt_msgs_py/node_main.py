@@ -10,8 +10,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from bdt_msgs_py.command_errors import BAD_INPUT, FAILED, BadInputError, LoopError, complain
-from bdt_msgs_py.node_parameters import ConfigurationError, destroy_on_error
 from bdt_msgs_py.parameter_files import unused_files
+from bdt_msgs_py.stop_signals import InterruptOfWork
 
 NodeType = TypeVar("NodeType", bound=Node)
 
@@ -34,7 +34,7 @@ def run_node(
     *,
     is_configured: bool = True,
 ) -> int:
-    """Run one node until it finishes or a signal stops it.
+    """Run one node until it finishes or a signal stops it; the process is to end after that.
 
     Parameters
     ----------
@@ -55,20 +55,21 @@ def run_node(
     int
         Exit code: 0 after the end or a signal, 1 when the loop failed, 2 for bad input.
     """
+    interrupt = InterruptOfWork()
     try:
         rclpy.init(args=args)
     except RuntimeError as error:
         return complain(error, BAD_INPUT)
-    try:
-        node = create()
-        _check_parameter_files(node, sys.argv if args is None else args, is_configured)
-    except ConfigurationError as error:
-        rclpy.try_shutdown()
-        return complain(error, BAD_INPUT)
     executor = SingleThreadedExecutor()
-    executor.add_node(node)
+    node: NodeType | None = None
     try:
-        spin(executor, node)
+        try:
+            node = create()
+            _check_parameter_files(node, sys.argv if args is None else args, is_configured)
+            executor.add_node(node)
+            spin(executor, node)
+        finally:
+            interrupt.work_is_over()
     except LoopError as error:
         return complain(error, FAILED)
     except BadInputError as error:
@@ -76,23 +77,20 @@ def run_node(
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except RuntimeError:
-        # A signal may shut the context down while rclpy builds its wait set.
+        # A signal may shut the context down while rclpy makes the node or builds its wait set.
         if rclpy.ok():
             raise
     finally:
         executor.shutdown()
-        node.destroy_node()
+        if node is not None:
+            node.destroy_node()
         rclpy.try_shutdown()
     return 0
 
 
 def _check_parameter_files(node: Node, arguments: Sequence[str], is_configured: bool) -> None:
-    with destroy_on_error(node):
-        try:
-            lines = unused_files(arguments, node.get_fully_qualified_name())
-        except BadInputError as error:
-            raise ConfigurationError(str(error)) from error
-        if lines and is_configured:
-            raise ConfigurationError(lines[0])
+    lines = unused_files(arguments, node.get_fully_qualified_name())
+    if lines and is_configured:
+        raise BadInputError(lines[0])
     for line in lines:
         node.get_logger().warning(line)

@@ -1,7 +1,4 @@
-"""Ctrl-C and SIGTERM as a request that is answered between two callbacks.
-
-A KeyboardInterrupt in the middle of a callback could tear a message or a C library's state.
-"""
+"""Ctrl-C and SIGTERM as requests to end, which tear nothing that is being done."""
 
 import signal
 from types import FrameType, TracebackType
@@ -12,6 +9,9 @@ NUMBERS = (signal.SIGINT, signal.SIGTERM)
 
 class StopSignals:
     """Holds signals back while it is entered; use it in the main thread.
+
+    The request is answered between two callbacks: a KeyboardInterrupt in the middle of one could
+    tear a message or a C library's state.
 
     Attributes
     ----------
@@ -43,3 +43,27 @@ class StopSignals:
 
     def _request(self, _number: int, _frame: FrameType | None) -> None:
         self.requested = True
+
+
+class InterruptOfWork:
+    """Has Ctrl-C interrupt a process while it works, and not while it ends; for the main thread.
+
+    From its construction on SIGINT raises KeyboardInterrupt as in any Python program, but once at
+    most and never after :meth:`work_is_over`: a signal asks for no more than an end, and that must
+    be whole. This lasts until the process is gone. Where SIGINT has another meaning already, it
+    keeps that.
+    """
+
+    def __init__(self) -> None:
+        self._is_over = False
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, self._interrupt)
+
+    def work_is_over(self) -> None:
+        """Let the process end undisturbed: the work is done."""
+        self._is_over = True
+
+    def _interrupt(self, _number: int, _frame: FrameType | None) -> None:
+        if not self._is_over:
+            self._is_over = True
+            raise KeyboardInterrupt
