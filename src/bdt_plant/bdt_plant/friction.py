@@ -69,6 +69,11 @@ def discretize_friction(motor: MotorParameters, sample_time: float) -> DiscreteF
     )
 
 
+def friction_voltage(motor: MotorParameters) -> float:
+    """Return the voltage that the Coulomb friction of a motor takes, R tau_C / k_T [V]."""
+    return motor.coulomb_friction / motor.torque_constant * motor.resistance
+
+
 def frictional_motor_step(
     state: MotorState, voltage: float, step: DiscreteMotor, friction: DiscreteFriction
 ) -> FrictionalMotion:

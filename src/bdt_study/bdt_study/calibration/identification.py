@@ -14,11 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_plant.friction import friction_voltage
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_study.calibration.segment_covariance import segment_covariance
 from bdt_twin.fit_result import Fit
-from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
+from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, independent_knowledge
 from bdt_twin.model_factors import FACTORS, model_with
 from bdt_twin.noise_levels import SMALLEST_NOISE
 from bdt_twin.output_error_fit import WindowFit
@@ -156,15 +157,7 @@ def wide_knowledge(friction: float) -> MachineKnowledge:
     friction : float
         Expected voltage of the friction [V].
     """
-    expected = np.zeros(len(FACTORS) + len(EFFECTS))
-    expected[len(FACTORS)] = friction
-    return MachineKnowledge(expected, np.diag(np.square((*FACTOR_SPREAD, *EFFECT_SPREAD))))
-
-
-def friction_voltage(model: PlantModel) -> float:
-    """Return the voltage that the Coulomb friction of a model takes [V]."""
-    motor = model.motor
-    return motor.coulomb_friction / motor.torque_constant * motor.resistance
+    return independent_knowledge(friction, (*FACTOR_SPREAD, *EFFECT_SPREAD))
 
 
 def identify(model: PlantModel, data: Data) -> Identification:
@@ -185,7 +178,7 @@ def identify(model: PlantModel, data: Data) -> Identification:
     found = _search(model, data)
     # The fit goes on from a model whose factors are ones: its logarithms are bounded.
     begun = model_with(model, found.factors)
-    knowledge = wide_knowledge(friction_voltage(model))
+    knowledge = wide_knowledge(friction_voltage(model.motor))
     knowledge.expected[: len(FACTORS)] = -found.factors
     window = data.window(begun)
     problem = WindowFit(window, GROWTH_CHANGE, knowledge)
@@ -294,7 +287,7 @@ def _moved(known: Identification, window: CalibrationWindow) -> Unknowns:
 def _search(model: PlantModel, data: Data) -> Unknowns:
     """Return the most likely of many beginnings, on a coarse copy of the data."""
     coarse = data.window(model).coarse(COARSE_RATE, COARSE_BLOCK_RATE)
-    friction = friction_voltage(model)
+    friction = friction_voltage(model.motor)
     knowledge = wide_knowledge(friction)
     frictions = dict.fromkeys((friction, *FIRST_FRICTIONS))
     candidates = []

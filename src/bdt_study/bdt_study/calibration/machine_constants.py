@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bdt_plant.friction import friction_voltage
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.identification import (
     EFFECT_SPREAD,
     FACTOR_SPREAD,
     Identification,
-    friction_voltage,
 )
 from bdt_study.calibration.start_values import model_values
 from bdt_twin.machine_knowledge import EFFECTS
@@ -129,7 +129,7 @@ class _Finding:
             *(after / before for after, before in zip(*ratios, strict=True)),
         )
         values = [*factors, *machine.expected[len(FACTORS) :].tolist()]
-        starts = [1.0] * len(FACTORS) + [friction_voltage(start), 0.0, 0.0, 0.0]
+        starts = [1.0] * len(FACTORS) + [friction_voltage(start.motor), 0.0, 0.0, 0.0]
         spreads = (*FACTOR_SPREAD, *EFFECT_SPREAD)
         self.values, self.deviations = {}, {}
         self.determined = {
