@@ -18,10 +18,7 @@ from bdt_study.calibration.machine_constants import HELD, Constant, machine_cons
 from bdt_study.calibration.start_values import Configuration, start_model
 from bdt_study.calibration.validation import Residual, residual_of, validate_machine
 from bdt_twin.model_factors import check_room
-
-MISFIT = 0.02
-"""Share of the motion that may be a surprise from one comparison to the next, in a fit that
-explains it."""
+from bdt_twin.output_error import MISFIT
 
 IS_IT = ": is this voltage and position of one mechanism?"
 
@@ -140,7 +137,7 @@ def calibrate_recording(
             f"bag {recording.path}: the model does not explain {1e6 * unexplained:.3g} um "
             f"of a motion of {1e6 * motion:.3g} um{IS_IT}"
         )
-    reversals = found.reversals
+    reversals = found.window.reversals(found.fit.responses)
     last = data.stretches[-1]
     end = last.first + last.voltage.size - 1
     at = (reversals[-1] if reversals else end) / data.sampling_rate

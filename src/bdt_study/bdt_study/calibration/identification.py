@@ -23,9 +23,14 @@ from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, independent_kn
 from bdt_twin.model_factors import FACTORS, model_with
 from bdt_twin.noise_levels import SMALLEST_NOISE
 from bdt_twin.output_error_fit import WindowFit
+from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.unknowns import Unknowns
 from bdt_twin.window_model import Stretch
-from bdt_twin.window_search import initial_conditions_at_rest
+from bdt_twin.window_search import (
+    COARSE_BLOCK_RATE,
+    COARSE_RATE,
+    initial_conditions_at_rest,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -58,20 +63,14 @@ SURVIVORS = (12, 4, 2)
 """How many beginnings are left after each round of the search."""
 ROUNDS = (2, 4, 8)
 """Steps of the fit in each round."""
-COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
-"""Lowest rates at which beginnings are tried [Hz]."""
 ROUGH, FINE = 8, 12
 """Largest numbers of steps of the fit to all samples, before and after noise is told apart."""
 MOST_REPEATS = 8
 """Largest number of times that the fit before is begun anew, from where it ended."""
 SETTLED = 0.98
 """Ratio of two residuals above which it has come to an end."""
-KNOT_SPACING = 5.0
-"""Spacing of the knots between which the gap grows evenly [s]."""
-GROWTH_CHANGE = math.radians(0.02)
-"""Usual change of the gap's growth rate in a second [rad/s^1.5]."""
-RESIDUAL_RATE = 200.0
-"""Rate at which measured and simulated position are compared [Hz]."""
+SETTINGS = OutputErrorSettings(knot_spacing=5.0)
+"""Those of the estimator, with a gap that grows evenly for longer."""
 
 
 class Data(NamedTuple):
@@ -91,15 +90,16 @@ class Data(NamedTuple):
     @property
     def block(self) -> int:
         """Samples over which the residual is averaged."""
-        return max(round(self.sampling_rate / RESIDUAL_RATE), 1)
+        return SETTINGS.samples_per_block(self.sampling_rate)
 
     def window(self, model: PlantModel) -> CalibrationWindow:
         """Return the forward model of these data."""
         first, last = self.stretches[0], self.stretches[-1]
-        begin = math.floor(first.first / self.sampling_rate / KNOT_SPACING)
+        spacing = SETTINGS.knot_spacing
+        begin = math.floor(first.first / self.sampling_rate / spacing)
         end = (last.first + last.voltage.size) / self.sampling_rate
-        count = max(math.ceil(end / KNOT_SPACING) - begin, 1) + 1
-        knots = KNOT_SPACING * (begin + np.arange(count, dtype=np.float64))
+        count = max(math.ceil(end / spacing) - begin, 1) + 1
+        knots = spacing * (begin + np.arange(count, dtype=np.float64))
         return CalibrationWindow(model, list(self.stretches), knots, self.sampling_rate, self.block)
 
 
@@ -120,12 +120,6 @@ class Identification:
     model: PlantModel
     window: CalibrationWindow
     fit: Fit
-
-    @property
-    def reversals(self) -> list[int]:
-        """Numbers of the samples at which the screw began to move the other way."""
-        pairs = zip(self.window.stretches, self.fit.responses, strict=True)
-        return [stretch.first + sample for stretch, run in pairs for sample in run.reversals]
 
     def gap_at(self, time: float) -> tuple[float, float]:
         """Return the gap at a time [s] and its standard uncertainty [rad]."""
@@ -181,7 +175,7 @@ def identify(model: PlantModel, data: Data) -> Identification:
     knowledge = wide_knowledge(friction_voltage(model.motor))
     knowledge.expected[: len(FACTORS)] = -found.factors
     window = data.window(begun)
-    problem = WindowFit(window, GROWTH_CHANGE, knowledge)
+    problem = WindowFit(window, SETTINGS.growth_change, knowledge)
     start = replace(found, factors=np.zeros(len(FACTORS)))
     fit = _fitted(problem, start)
     if fit.levels[1:] != (0.0, 0.0, 0.0):
@@ -210,7 +204,7 @@ def _without_late_readings(knowledge: MachineKnowledge) -> MachineKnowledge:
 def _with_any_gap(window: CalibrationWindow, knowledge: MachineKnowledge, start: Unknowns) -> Fit:
     """Return the best fit of a coarse copy that allows for noise of the machine all along."""
     coarse = window.coarse(COARSE_RATE, COARSE_BLOCK_RATE)
-    problem = WindowFit(coarse, GROWTH_CHANGE, _without_late_readings(knowledge))
+    problem = WindowFit(coarse, SETTINGS.growth_change, _without_late_readings(knowledge))
     beginning = initial_conditions_at_rest(coarse)
     effects = start.effects.copy()
     effects[[EFFECTS.index("delay"), EFFECTS.index("drift")]] = 0.0
@@ -235,7 +229,7 @@ def identify_from(known: Identification, data: Data) -> Identification:
     """
     window = data.window(known.model)
     knowledge = wide_knowledge(known.effect("friction_voltage"))
-    problem = WindowFit(window, GROWTH_CHANGE, knowledge)
+    problem = WindowFit(window, SETTINGS.growth_change, knowledge)
     return Identification(known.model, window, _fitted(problem, _moved(known, window)))
 
 
@@ -251,7 +245,7 @@ def with_machine_held(known: Identification, data: Data) -> Identification:
     """
     window, told = data.window(known.model), known.fit.machine
     held = MachineKnowledge(told.expected, np.diag(np.square(HELD_SPREAD)))
-    problem = WindowFit(window, GROWTH_CHANGE, held)
+    problem = WindowFit(window, SETTINGS.growth_change, held)
     return Identification(known.model, window, _rough(problem, _moved(known, window)))
 
 
@@ -301,7 +295,7 @@ def _search(model: PlantModel, data: Data) -> Unknowns:
     for number, (steps, survivors) in enumerate(zip(ROUNDS, SURVIVORS, strict=True)):
         is_last = number == len(ROUNDS) - 1
         prior = knowledge if is_last else _without_late_readings(knowledge)
-        problem = WindowFit(coarse, GROWTH_CHANGE, prior)
+        problem = WindowFit(coarse, SETTINGS.growth_change, prior)
         fits = [problem.solve(each, steps, 2 * steps) for each in candidates]
         fits.sort(key=lambda fit: fit.residual)
         candidates = [fit.unknowns for fit in fits[:survivors]]
