@@ -160,6 +160,7 @@ def held_rows(duration):
         (None, ["--seconds", "2"], "--seconds 2: must be 10 to 600"),
         (None, ["--known", "structure.mas"], "did you mean structure.mass?"),
         (None, ["--config", "missing.yaml"], "--config missing.yaml: cannot be read"),
+        (None, ["--config", "/dev/null"], "--config /dev/null: is a device: must be a file"),
     ],
 )
 def test_what_cannot_be_used_is_one_line(bag, tmp_path, capsys, rows, options, reason):
