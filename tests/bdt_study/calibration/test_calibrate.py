@@ -13,7 +13,7 @@ from bdt_bringup.configuration import load_configuration
 from bdt_controller.commissioning import level_at
 from bdt_msgs_py.command_errors import BAD_INPUT
 from bdt_study.calibration.calibrate import calibrate
-from bdt_study.calibration.machine_constants import HELD
+from bdt_study.calibration.constant import HELD
 from bdt_study.calibration.start_values import read_configuration
 
 GAP = math.radians(12.0)

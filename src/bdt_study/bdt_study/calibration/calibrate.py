@@ -13,8 +13,10 @@ from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.parameter_tables import suggestion
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_data import calibration_data, halves
-from bdt_study.calibration.identification import Data, Identification, identify
-from bdt_study.calibration.machine_constants import HELD, Constant, machine_constants
+from bdt_study.calibration.constant import HELD, Constant
+from bdt_study.calibration.fitted_data import Data
+from bdt_study.calibration.identification import Identification, identify
+from bdt_study.calibration.machine_constants import machine_constants
 from bdt_study.calibration.start_values import Configuration, start_model
 from bdt_study.calibration.validation import Residual, residual_of, validate_machine
 from bdt_twin.model_factors import check_room

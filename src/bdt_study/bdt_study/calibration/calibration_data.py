@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from bdt_analysis.re_estimation.estimator_setup import sampling_rate
 from bdt_bags.reading.recording import Recording
 from bdt_msgs_py.command_errors import BadInputError
-from bdt_study.calibration.identification import SETTINGS, Data
+from bdt_study.calibration.fitted_data import SETTINGS, Data
 from bdt_twin.telemetry_window import TelemetryWindow
 from bdt_twin.window_model import Stretch
 
