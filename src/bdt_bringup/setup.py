@@ -28,7 +28,6 @@ setup(
     ],
     install_requires=[
         "bdt_msgs_py",
-        "pyyaml>=6",
     ],
     zip_safe=False,
     entry_points={

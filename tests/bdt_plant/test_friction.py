@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from bdt_plant.friction import discretize_friction, frictional_motor_step
+from bdt_plant.friction import discretize_friction, friction_voltage, frictional_motor_step
 from bdt_plant.motor import MotorParameters, MotorState, discretize_motor, motor_step
 
 # Table 1, written again so that a wrong default is seen.
@@ -76,6 +76,12 @@ def run(voltages, samples=10, torque=TORQUE, state=REST):
             state = frictional_motor_step(state, float(voltage), step, friction).motor
         states.append(state)
     return np.array(states)
+
+
+def test_a_standing_motor_turns_above_the_voltage_of_its_friction_and_not_below():
+    voltage = friction_voltage(MotorParameters(coulomb_friction=TORQUE))
+    assert run([0.999 * voltage] * 20)[-1, 1] == 0.0
+    assert run([1.001 * voltage] * 20)[-1, 1] > 0.0
 
 
 TIMES = np.arange(250) * HOLD

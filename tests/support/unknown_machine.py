@@ -6,14 +6,15 @@ Each integration leads by half a step, so the platform is some 40 us ahead of an
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.compilation import compile_loop
+from bdt_plant.compilation import GIVEN, WRITTEN, compile_loop
 
 FloatArray = NDArray[np.float64]
 
@@ -75,12 +76,40 @@ class Run:
     step_time: float = 5.0
     seed: int = 1
 
+    def square_wave(self, time: float) -> float:
+        """Return the wanted position [m] at a time [s]."""
+        return self.step if int(time / self.step_time) % 2 == 0 else 0.0
+
 
 class Recording(NamedTuple):
     """Telemetry rows (t [s], u [V], reading [m]), shape (n, 3), and the true gap [rad]."""
 
     rows: FloatArray
     gaps: FloatArray
+
+
+class Controller(Protocol):
+    """What closes the loop."""
+
+    def voltage(self, error: float, dead_zone: float) -> float:
+        """Return the voltage [V] for an error and half of a dead zone [m]."""
+
+
+class Proportional:
+    """Proportional control, which needs no dead zone.
+
+    Parameters
+    ----------
+    gain : float
+        Gain [V/m].
+    """
+
+    def __init__(self, gain: float) -> None:
+        self._gain = gain
+
+    def voltage(self, error: float, dead_zone: float) -> float:
+        """Return the voltage [V] for an error [m]."""
+        return min(max(self._gain * error, -LARGEST_VOLTAGE), LARGEST_VOLTAGE)
 
 
 class Pid:
@@ -109,35 +138,53 @@ class Pid:
         return bounded
 
 
-def record(machine: UnknownMachine, run: Run | None = None) -> Recording:
-    """Run a machine in the loop."""
+def record(
+    machine: UnknownMachine,
+    run: Run | None = None,
+    controller: Controller | None = None,
+    reference: Callable[[float], float] | None = None,
+) -> Recording:
+    """Run a machine in the loop.
+
+    Parameters
+    ----------
+    machine : UnknownMachine
+        The machine.
+    run : Run, optional
+        What the loop does.
+    controller : Controller, optional
+        What closes it: without one the paper's.
+    reference : callable, optional
+        Returns the wanted position [m] at a time [s]: without one there are steps.
+    """
     run = Run() if run is None else run
+    controller = Pid() if controller is None else controller
+    reference = run.square_wave if reference is None else reference
     count = round(run.duration * run.sampling_rate)
     inner = round(1.0 / (run.sampling_rate * STEP_TIME))
     held = round(run.sampling_rate / CONTROL_RATE)
     late = round(machine.delay / STEP_TIME)
     times = np.arange(count) / run.sampling_rate
     gaps = run.first_gap + (run.last_gap - run.first_gap) * (times / run.duration) ** 2
+    pushes = machine.push_force * _pushes(times)
     noise = machine.noise * np.random.default_rng(run.seed).standard_normal(count)
     state, constants = np.zeros(8), _constants(machine)
     # Positions of the platform at every step: a delay is no whole number of samples.
-    positions = np.zeros(count * inner + 1)
-    rows, pid, voltage = np.empty((count, 3)), Pid(), 0.0
-    for sample, time in enumerate(times.tolist()):
-        position = float(positions[max(sample * inner - late, 0)])
-        reading = _reading(machine, position, time) + float(noise[sample])
-        if machine.quantum > 0.0:
-            reading = round(reading / machine.quantum) * machine.quantum
-        if sample % held == 0:
-            target = run.step if int(time / run.step_time) % 2 == 0 else 0.0
-            dead_zone = PITCH * float(gaps[sample]) + 1e-6
-            voltage = pid.voltage(target - reading, dead_zone)
-        rows[sample] = time, voltage, reading
+    positions, voltages = np.zeros(count * inner + 1), np.empty(count)
+    for sample in range(0, count, held):
+        time, after = times[sample], slice(sample, min(sample + held, count))
+        position = positions[max(sample * inner - late, 0)]
+        reading = float(_readings(machine, position, time, noise[sample]))
+        dead_zone = PITCH * float(gaps[sample]) + 1e-6
+        voltage = controller.voltage(reference(float(time)) - reading, dead_zone)
+        voltages[after] = voltage
+        steps = positions[sample * inner + 1 : after.stop * inner + 1]
         applied = _amplified(machine, voltage)
-        push = machine.push_force * _push_at(time)
-        after = positions[sample * inner + 1 : (sample + 1) * inner + 1]
-        _compiled_advance()(state, constants, applied, float(gaps[sample]), push, after)
-    return Recording(rows, gaps)
+        _compiled_advance()(state, constants, applied, gaps[after], pushes[after], steps)
+    seen = positions[np.maximum(np.arange(count) * inner - late, 0)]
+    return Recording(
+        np.stack([times, voltages, _readings(machine, seen, times, noise)], axis=1), gaps
+    )
 
 
 def _constants(machine: UnknownMachine) -> FloatArray:
@@ -163,9 +210,13 @@ def _constants(machine: UnknownMachine) -> FloatArray:
     )
 
 
-def _reading(machine: UnknownMachine, position: float, time: float) -> float:
-    periodic = machine.encoder_error * math.sin(2.0 * math.pi * position / 20e-6)
-    return position + periodic + machine.drift_rate * time
+def _readings(machine: UnknownMachine, position: Any, time: Any, noise: Any) -> Any:
+    """Return what the sensor reads, of one sample or of all."""
+    periodic = machine.encoder_error * np.sin(2.0 * math.pi * position / 20e-6)
+    reading = position + periodic + machine.drift_rate * time + noise
+    if machine.quantum > 0.0:
+        reading = np.round(reading / machine.quantum) * machine.quantum
+    return reading
 
 
 def _amplified(machine: UnknownMachine, voltage: float) -> float:
@@ -175,23 +226,24 @@ def _amplified(machine: UnknownMachine, voltage: float) -> float:
     return voltage + machine.amplifier_offset
 
 
-def _push_at(time: float) -> float:
-    count, since = divmod(time, 7.0)
-    return (-1.0) ** count if since < 0.05 and count > 0 else 0.0
+def _pushes(times: FloatArray) -> FloatArray:
+    """Return the direction in which something pushes at each time, or zero."""
+    counts, since = np.divmod(times, 7.0)
+    return np.where((since < 0.05) & (counts > 0), (-1.0) ** counts, 0.0)
 
 
 @cache
 def _compiled_advance() -> Any:
-    given, written = "Array(float64, 1, 'C', readonly=True)", "Array(float64, 1, 'C')"
-    return compile_loop(_advance, f"void({written}, {given}, float64, float64, float64, {written})")
+    arrays = (WRITTEN, GIVEN, "float64", GIVEN, GIVEN, WRITTEN)
+    return compile_loop(_advance, f"void({', '.join(arrays)})")
 
 
 def _advance(
     state: FloatArray,
     constants: FloatArray,
     voltage: float,
-    gap: float,
-    push: float,
+    gaps: FloatArray,
+    pushes: FloatArray,
     positions: FloatArray,
 ) -> None:
     inertia, inductance, resistance, per_ampere, back_emf = constants[:5]
@@ -199,7 +251,9 @@ def _advance(
     mass, stiffness, damping, reflected = constants[11:15]
     current, speed, motor, screw = state[:4]
     q2, v2, q3, v3 = state[4:8]
+    inner = positions.size // gaps.size
     for step in range(positions.size):
+        gap, push = gaps[step // inner], pushes[step // inner]
         current += STEP_TIME / inductance * (voltage - back_emf * speed)
         current /= 1.0 + STEP_TIME * resistance / inductance
         load = reflected * PITCH * stiffness * (q2 - PITCH * screw)

@@ -10,24 +10,19 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from bdt_bringup.installed import parameter_table
 from bdt_msgs_py.command_errors import BadInputError
-from bdt_msgs_py.parameter_files import PARAMETERS_KEY, is_for
-from bdt_msgs_py.parameter_tables import (
-    check_value,
-    full_name,
-    known_parameters,
-    parameter_sets,
-    suggestion,
+from bdt_msgs_py.parameter_files import (
+    PARAMETERS_KEY,
+    checked_parameters,
+    is_for,
+    read_sections,
 )
+from bdt_msgs_py.parameter_tables import known_parameters, parameter_sets, suggestion
 from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
 
 CONFIGURED_NODES = (PLANT_NODE, CONTROLLER_NODE, TWIN_NODE)
 """Nodes whose parameters a configuration sets; the recorder's are options of ``bdt run``."""
-
-_ROS_PARAMETERS = {"use_sim_time": False, "start_type_description_service": True}
 
 
 @dataclass(frozen=True)
@@ -126,18 +121,12 @@ def load_configuration(path: Path | None, namespace: str = "") -> Configuration:
     for section, parameters in sections.items():
         for node in _nodes_of(section, path):
             used = values[node] if is_for(section, f"{namespace}/{node}") else {}
-            known = known_parameters(parameter_table(node))
-            for name, value in _flat(parameters):
-                if name in known:
-                    check_value(f"{path}: {section}: {name}", value, *known[name])
-                elif name not in _ROS_PARAMETERS and not name.startswith("qos_overrides."):
-                    if section.endswith("*"):
-                        continue
-                    raise BadInputError(
-                        f"{path}: {section}: {name} = {value!r}: is not a parameter of this node"
-                        f"{suggestion(name, known)}"
-                    )
-                used[name] = value
+            used |= checked_parameters(
+                f"{path}: {section}",
+                parameters,
+                parameter_table(node),
+                for_all=section.endswith("*"),
+            )
     configuration = Configuration(path, values, configured, namespace)
     for node in CONFIGURED_NODES:
         try:
@@ -164,27 +153,12 @@ def _configured(sections: Iterable[str], namespace: str, path: Path) -> frozense
 
 
 def _sections(path: Path) -> dict[str, dict[str, Any]]:
-    if path.is_char_device() or path.is_block_device():
-        raise BadInputError(f"configuration {path}: is a device: must be a file")
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadInputError(f"configuration {path}: cannot be read: {_reason(error)}") from error
-    except yaml.YAMLError as error:
-        raise BadInputError(f"configuration {path}: is not YAML: {_reason(error)}") from error
-    if not isinstance(document, dict) or not document:
-        raise BadInputError(f"configuration {path}: must be a ROS parameter file with nodes")
     sections = {}
-    for section, content in document.items():
+    for section, content in read_sections(f"configuration {path}", path).items():
         if not isinstance(content, dict) or set(content) != {PARAMETERS_KEY}:
             raise BadInputError(f"{path}: {section}: must hold the key {PARAMETERS_KEY}, only")
-        sections[str(section)] = content[PARAMETERS_KEY] or {}
+        sections[section] = content[PARAMETERS_KEY] or {}
     return sections
-
-
-def _reason(error: Exception) -> str:
-    text = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return " ".join(text.split())
 
 
 def _nodes_of(section: str, path: Path) -> list[str]:
@@ -196,13 +170,3 @@ def _nodes_of(section: str, path: Path) -> list[str]:
     raise BadInputError(
         f"{path}: {section}: is not a node, must be one of {', '.join(CONFIGURED_NODES)}"
     )
-
-
-def _flat(parameters: Any, prefix: str = "") -> list[tuple[str, Any]]:
-    if not isinstance(parameters, dict):
-        return [(prefix, parameters)]
-    return [
-        item
-        for name, value in parameters.items()
-        for item in _flat(value, full_name(prefix, str(name)))
-    ]

@@ -1,14 +1,114 @@
-"""For which nodes the sections of a ROS parameter file are: rcl drops the others without a word."""
+"""ROS parameter files: for which nodes their sections are, and what these set.
+
+rcl drops sections for other nodes, and names that a node does not know, without a word.
+"""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import yaml
 
 from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.parameter_tables import (
+    ParameterTable,
+    check_value,
+    full_name,
+    known_parameters,
+    suggestion,
+)
 
 PARAMETERS_KEY = "ros__parameters"
+
+ROS_PARAMETERS = ("use_sim_time", "start_type_description_service")
+"""Parameters that every node has, beside those of its QoS."""
+
+
+def read_sections(label: str, path: Path) -> dict[str, Any]:
+    """Return what stands in a parameter file below each node's name or pattern.
+
+    Parameters
+    ----------
+    label : str
+        What the messages call the file, for example ``--config FILE``.
+    path : Path
+        The file.
+
+    Raises
+    ------
+    BadInputError
+        If it cannot be read, is not YAML, or holds no mapping.
+    """
+    if path.is_char_device() or path.is_block_device():
+        raise BadInputError(f"{label}: is a device: must be a file")
+    document = _parsed(label, path, yaml.safe_load)
+    if not isinstance(document, dict) or not document:
+        raise no_parameter_file(label)
+    return {str(section): content for section, content in document.items()}
+
+
+def no_parameter_file(label: str) -> BadInputError:
+    """Return the error of a file that is YAML, but no parameter file."""
+    return BadInputError(f"{label}: must be a ROS parameter file with nodes")
+
+
+def checked_parameters(
+    label: str, parameters: Any, table: ParameterTable, *, for_all: bool
+) -> dict[str, Any]:
+    """Return by flat name what a section sets for a node, each value checked.
+
+    Parameters
+    ----------
+    label : str
+        What the messages call the section.
+    parameters : Any
+        What stands below ``ros__parameters``.
+    table : ParameterTable
+        Parameters of the node.
+    for_all : bool
+        Whether the section is for all nodes: what others have is left out then.
+
+    Raises
+    ------
+    BadInputError
+        For a value that is not allowed, and for a name that the node does not know.
+    """
+    known, values = known_parameters(table), {}
+    for name, value in _flat(parameters):
+        if name in known:
+            check_value(f"{label}: {name}", value, *known[name])
+        elif name not in ROS_PARAMETERS and not name.startswith("qos_overrides."):
+            if for_all:
+                continue
+            raise BadInputError(
+                f"{label}: {name} = {value!r}: is not a parameter of this node"
+                f"{suggestion(name, known)}"
+            )
+        values[name] = value
+    return values
+
+
+def _flat(parameters: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Iterate over the values of nested mappings with their full names."""
+    if not isinstance(parameters, dict):
+        yield prefix, parameters
+        return
+    for name, value in parameters.items():
+        yield from _flat(value, full_name(prefix, str(name)))
+
+
+def _parsed(label: str, path: Path, parse: Callable[[str], Any]) -> Any:
+    """Return what a parser of YAML makes of a file."""
+    try:
+        return parse(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BadInputError(f"{label}: cannot be read: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise BadInputError(f"{label}: cannot be read: {error}") from error
+    except yaml.YAMLError as error:
+        raise BadInputError(f"{label}: is not YAML: {error}") from error
 
 
 def sections(path: str | Path) -> list[str]:
@@ -24,13 +124,10 @@ def sections(path: str | Path) -> list[str]:
     BadInputError
         If it cannot be read or is not YAML.
     """
-    try:
-        # Not loaded: rcl takes values that another parser may refuse.
-        root = yaml.compose(Path(path).read_text(encoding="utf-8"), Loader=yaml.SafeLoader)
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadInputError(f"parameter file {path}: cannot be read: {error}") from error
-    except yaml.YAMLError as error:
-        raise BadInputError(f"parameter file {path}: is not YAML: {error}") from error
+    # Not loaded: rcl takes values that another parser may refuse.
+    root = _parsed(
+        f"parameter file {path}", Path(path), partial(yaml.compose, Loader=yaml.SafeLoader)
+    )
     return list(_sections(root, ""))
 
 

@@ -7,18 +7,14 @@ from typing import Any
 from bdt_plant.compilation import compile_with_steps
 from bdt_plant.machine import (
     MACHINE_AT_REST,
-    DiscreteMachine,
-    MachineState,
     discretize_machine,
     hold_machine_period,
 )
 from bdt_plant.plant import (
     AT_REST,
-    DiscretePlant,
     FloatArray,
     HoldPeriod,
     PlantModel,
-    PlantState,
     Sampling,
     discretize_plant,
     hold_period,
@@ -59,28 +55,19 @@ def _signature(state: Any, step: Any) -> Any:
 
 
 def _period(sources: str) -> HoldPeriod:
-    def period(
-        state: PlantState,
-        voltage: float,
-        gaps: FloatArray,
-        step: DiscretePlant,
-        positions: FloatArray,
-    ) -> PlantState:
-        _ = sources
-        return hold_period(state, voltage, gaps, step, positions)
-
+    period: HoldPeriod = _period_around(hold_period, sources)
     return period
 
 
 def _machine_period(sources: str) -> Any:
-    def machine_period(
-        state: MachineState,
-        voltage: float,
-        gaps: FloatArray,
-        step: DiscreteMachine,
-        positions: FloatArray,
-    ) -> MachineState:
-        _ = sources
-        return hold_machine_period(state, voltage, gaps, step, positions)
+    return _period_around(hold_machine_period, sources)
 
-    return machine_period
+
+def _period_around(hold: Any, sources: str) -> Any:
+    def period(
+        state: Any, voltage: float, gaps: FloatArray, step: Any, positions: FloatArray
+    ) -> Any:
+        _ = sources
+        return hold(state, voltage, gaps, step, positions)
+
+    return period

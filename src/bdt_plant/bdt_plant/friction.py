@@ -69,6 +69,11 @@ def discretize_friction(motor: MotorParameters, sample_time: float) -> DiscreteF
     )
 
 
+def friction_voltage(motor: MotorParameters) -> float:
+    """Return the voltage that the Coulomb friction of a motor takes, R tau_C / k_T [V]."""
+    return motor.coulomb_friction / motor.torque_constant * motor.resistance
+
+
 def frictional_motor_step(
     state: MotorState, voltage: float, step: DiscreteMotor, friction: DiscreteFriction
 ) -> FrictionalMotion:
@@ -93,10 +98,12 @@ def frictional_motor_step(
                 end = 0.0
             at_rest = MotorState(0.0, 0.0, angle)
             return FrictionalMotion(MotorState(end, 0.0, angle), at_rest, 0.0)
-        held = breakaway_friction(current, end, friction.current)
+        direction = math.copysign(1.0, current if abs(current) > friction.current else end)
+        held = breakaway_friction(direction * current, direction * end, friction.current)
+        held *= direction
     else:
         held = math.copysign(friction.current, speed)
-    moved = _moved(state, voltage, held, step, friction)
+    moved = held_torque_step(state, voltage, held, friction.resistance, step)
     if moved.motor.speed * held > 0.0:
         return moved
     # The motor stops. The opposite friction tells whether it can start again.
@@ -104,37 +111,51 @@ def frictional_motor_step(
     reverse = moved.motor.speed + 2.0 * held * per_current
     if (reverse - speed) * held >= 0.0:
         held += moved.motor.speed / per_current
-        stopped = _moved(state, voltage, held, step, friction)
+        stopped = held_torque_step(state, voltage, held, friction.resistance, step)
         motor = MotorState(stopped.motor.current, 0.0, stopped.motor.angle)
         return FrictionalMotion(motor, stopped.driver, stopped.driver_voltage)
     before_the_turn = speed / (speed - moved.motor.speed)
-    return _moved(state, voltage, held * (2.0 * before_the_turn - 1.0), step, friction)
+    held *= 2.0 * before_the_turn - 1.0
+    return held_torque_step(state, voltage, held, friction.resistance, step)
 
 
 def breakaway_friction(begin: float, end: float, limit: float) -> float:
-    """Return the mean friction over a sample in which the motor breaks loose, as a current [A].
+    """Return the mean friction over a step in which the motor breaks loose forward [A].
 
     Parameters
     ----------
     begin, end : float
-        Current at the ends of the sample if the motor stood still [A]; one of them is beyond
-        the limit.
+        Torque at the ends of the step if the motor stood still, as a current [A]; one of them is
+        above the limit.
     limit : float
         Current whose torque equals the friction [A].
     """
-    if abs(begin) > limit:
-        return math.copysign(limit, begin)
-    level = math.copysign(limit, end)
-    standing = (level - begin) / (end - begin)
-    # While it stands, friction balances the current, which grows to the level.
-    return standing * 0.5 * (begin + level) + (1.0 - standing) * level
+    if begin > limit:
+        return limit
+    standing = (limit - begin) / (end - begin)
+    # While it stands, friction balances the torque, which grows to the limit.
+    return standing * 0.5 * (begin + limit) + (1.0 - standing) * limit
 
 
-def _moved(
-    state: MotorState, voltage: float, held: float, step: DiscreteMotor, friction: DiscreteFriction
+def held_torque_step(
+    state: MotorState, voltage: float, held: float, resistance: float, step: DiscreteMotor
 ) -> FrictionalMotion:
-    """Advance the motor with the friction k_T `held` over the whole sample."""
+    """Advance the motor against a torque that is held over the whole step.
+
+    Parameters
+    ----------
+    state : MotorState
+        Motor at the beginning of the step.
+    voltage : float
+        Motor voltage u [V].
+    held : float
+        Current whose torque is held against the motor [A].
+    resistance : float
+        Resistance R of the armature [Ohm].
+    step : DiscreteMotor
+        From :func:`bdt_plant.motor.discretize_motor`.
+    """
     driver = MotorState(state.current - held, state.speed, state.angle)
-    driver_voltage = voltage - friction.resistance * held
+    driver_voltage = voltage - resistance * held
     current, speed, angle = motor_step(driver, driver_voltage, step)
     return FrictionalMotion(MotorState(current + held, speed, angle), driver, driver_voltage)

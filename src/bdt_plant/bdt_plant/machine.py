@@ -159,26 +159,31 @@ def _motor_step(
         forward = forward_load(force, contact, gap, step.load)
         backward = backward_load(force, contact, gap, step.load)
     load = cogging_current(motor.angle + step.half_step * motor.speed, step.cogging)
-    law = step.friction
-    size = friction_size(motor.speed, law)
-    moved = resisted_motor_step(
-        motor,
-        voltage,
-        load,
-        backward + law.backward * size,
-        forward + law.forward * size,
-        step.motor,
-    )
-    if law.excess == 0.0 or motor.speed * moved.speed <= 0.0:
+    loads = (load, backward, forward)
+    size = friction_size(motor.speed, step.friction)
+    moved = _step_against_friction(motor, voltage, loads, size, step)
+    if step.friction.excess == 0.0 or motor.speed * moved.speed <= 0.0:
         return moved
     # Again with the friction of the speed in the middle of the step.
-    size = friction_size(0.5 * (motor.speed + moved.speed), law)
+    size = friction_size(0.5 * (motor.speed + moved.speed), step.friction)
+    return _step_against_friction(motor, voltage, loads, size, step)
+
+
+def _step_against_friction(
+    motor: MotorState,
+    voltage: float,
+    loads: tuple[float, float, float],
+    size: float,
+    step: DiscreteMachine,
+) -> MotorState:
+    """Advance the motor by one step against (load, backward, forward) and friction of a size."""
+    load, backward, forward = loads
     return resisted_motor_step(
         motor,
         voltage,
         load,
-        backward + law.backward * size,
-        forward + law.forward * size,
+        backward + step.friction.backward * size,
+        forward + step.friction.forward * size,
         step.motor,
     )
 

@@ -14,13 +14,13 @@ speed, angle or force are to be given for the middle of the step.
 from typing import NamedTuple
 
 from bdt_plant.elementary_functions import exponential
+from bdt_plant.friction import breakaway_friction, held_torque_step
 from bdt_plant.motor import (
     SMALLEST_SIGNAL,
     DiscreteMotor,
     MotorParameters,
     MotorState,
     discretize_motor,
-    motor_step,
 )
 
 
@@ -84,12 +84,12 @@ def resisted_motor_step(
         end = step.decay * current + (1.0 - step.decay) * voltage / step.resistance
         begin_torque, end_torque = current - load, end - load
         if begin_torque > forward or end_torque > forward:
-            held = _breaking_loose(begin_torque, end_torque, forward)
+            held = breakaway_friction(begin_torque, end_torque, forward)
             moved = _moved(state, voltage, load + held, step)
             if moved.speed > 0.0:
                 return moved
         elif begin_torque < -backward or end_torque < -backward:
-            held = -_breaking_loose(-begin_torque, -end_torque, backward)
+            held = -breakaway_friction(-begin_torque, -end_torque, backward)
             moved = _moved(state, voltage, load + held, step)
             if moved.speed < 0.0:
                 return moved
@@ -111,20 +111,6 @@ def resisted_motor_step(
     return _moved(state, voltage, load + held * before + reverse * (1.0 - before), step)
 
 
-def _breaking_loose(begin: float, end: float, limit: float) -> float:
-    """Return the mean resistance over a step in which a motor breaks loose forward [A].
-
-    The torque of the standing motor goes from `begin` to `end`, one of them beyond the limit.
-    """
-    if begin > limit:
-        return limit
-    standing = (limit - begin) / (end - begin)
-    # While the motor stands it is held by its own torque, which grows to the limit.
-    return standing * 0.5 * (begin + limit) + (1.0 - standing) * limit
-
-
 def _moved(state: MotorState, voltage: float, held: float, step: ResistedMotor) -> MotorState:
     """Advance the motor against the torque k_T `held` over the whole step."""
-    driver = MotorState(state.current - held, state.speed, state.angle)
-    current, speed, angle = motor_step(driver, voltage - step.resistance * held, step.motor)
-    return MotorState(current + held, speed, angle)
+    return held_torque_step(state, voltage, held, step.resistance, step.motor).motor

@@ -4,12 +4,13 @@ Windows overlap, so what the last one has told is no independent knowledge. What
 that ended before this one begins is: it may have become a little wrong since, and counts as that.
 """
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_plant.friction import friction_voltage
 from bdt_plant.motor import MotorParameters
 from bdt_twin.fixed_order import solution
 from bdt_twin.model_factors import FACTORS
@@ -91,7 +92,19 @@ class MachineKnowledge(NamedTuple):
 
 def first_knowledge(motor: MotorParameters) -> MachineKnowledge:
     """Return what is known of a machine from its model alone."""
-    friction = motor.coulomb_friction / motor.torque_constant * motor.resistance
+    return independent_knowledge(friction_voltage(motor), (*FACTOR_SPREAD, *EFFECT_SPREAD))
+
+
+def independent_knowledge(friction: float, spread: Sequence[float]) -> MachineKnowledge:
+    """Return knowledge in which no constant tells anything about another one.
+
+    Parameters
+    ----------
+    friction : float
+        Expected voltage of the friction [V]; all others are expected to be zero.
+    spread : sequence of float
+        Standard deviations of the logarithms of ``FACTORS`` and of ``EFFECTS``.
+    """
     expected = np.zeros(len(FACTORS) + len(EFFECTS))
-    expected[len(FACTORS)] = friction
-    return MachineKnowledge(expected, np.diag(np.square((*FACTOR_SPREAD, *EFFECT_SPREAD))))
+    expected[len(FACTORS) + EFFECTS.index("friction_voltage")] = friction
+    return MachineKnowledge(expected, np.diag(np.square(spread)))

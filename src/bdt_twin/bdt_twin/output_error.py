@@ -243,8 +243,7 @@ class OutputErrorEstimator:
     def _validate(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
         """Return what a fit teaches, or the last estimate with the reason why it does not."""
         chosen, time = self._settings, self._window.time(newest)
-        pairs = list(zip(window.stretches, fit.responses, strict=True))
-        reversals = [stretch.first + sample for stretch, run in pairs for sample in run.reversals]
+        reversals = window.reversals(fit.responses)
         motion = max(standard_deviation(run.position) for run in fit.responses)
         if sum(run.travel for run in fit.responses) < SMALLEST_TRAVEL:
             return self._hold_estimate(time, "the lead screw does not move")

@@ -190,6 +190,11 @@ class WindowModel:
         """Return what the noise of the window depends on, for a simulation of it."""
         return [Motion(run.fast, run.slow, run.contact) for run in responses]
 
+    def reversals(self, responses: list[StretchResponse]) -> list[int]:
+        """Return the numbers of the samples at which the screw began to move the other way."""
+        pairs = zip(self.stretches, responses, strict=True)
+        return [stretch.first + sample for stretch, run in pairs for sample in run.reversals]
+
     def block_step(self, unknowns: Unknowns) -> DiscreteStructure:
         """Return the structure's model from block to block."""
         return self._by_blocks(unknowns.factors)[1]

@@ -2,21 +2,22 @@
 
 import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from independent_machine import Machine, commissioning_reference, telemetry
 from recorded_loops import Messages
+from unknown_machine import Proportional, Run, UnknownMachine, record
 
 from bdt_bringup.cli import run_command
 from bdt_bringup.configuration import load_configuration
+from bdt_controller.commissioning import level_at
 from bdt_msgs_py.command_errors import BAD_INPUT
 from bdt_study.calibration.calibrate import calibrate
-from bdt_study.calibration.machine_constants import HELD
+from bdt_study.calibration.constant import HELD
 from bdt_study.calibration.start_values import read_configuration
 
-MACHINE = Machine()
+GAP = math.radians(12.0)
+MACHINE = UnknownMachine(coulomb_friction=10e-3, amplifier_offset=20e-3, delay=0.5e-3)
 START = """
 /**/twin:
   ros__parameters:
@@ -28,6 +29,16 @@ START = """
 """
 
 
+def commissioning(time, travel=5e-3, speed=20e-3):
+    return travel * level_at(time, travel / speed)
+
+
+def telemetry(machine, duration):
+    """Return telemetry rows (t [s], u [V], q3 [m]) of a machine that is commissioned."""
+    run = Run(duration, sampling_rate=5000.0, first_gap=GAP, last_gap=GAP)
+    return record(machine, run, Proportional(900.0), commissioning).rows
+
+
 def bag_of(path, rows, batch=500):
     messages = Messages()
     messages.telemetry(rows, batch)
@@ -36,8 +47,7 @@ def bag_of(path, rows, batch=500):
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory):
-    rows = telemetry(MACHINE, commissioning_reference(62.0))
-    return bag_of(tmp_path_factory.mktemp("machine") / "bag", rows)
+    return bag_of(tmp_path_factory.mktemp("machine") / "bag", telemetry(MACHINE, 62.0))
 
 
 @pytest.fixture(scope="module")
@@ -61,10 +71,10 @@ def result(bag, start):
         ("structure.stiffness", 1e4, 10.0),
         ("structure.damping", 36.9, 0.2),
         ("actuator.offset", 20e-3, 2e-4),
-        # The integration of the independent simulation is late by two of its steps.
+        # The simulation of the machine leads an exact one by two of its steps.
         ("sensor.delay", 0.5e-3, 0.06e-3),
         ("sensor.drift", 0.0, 1e-7),
-        ("gap.initial", math.radians(12.0), math.radians(0.05)),
+        ("gap.initial", GAP, math.radians(0.05)),
     ],
 )
 def test_what_the_data_tell_is_found_from_values_off_by_a_factor_of_two(
@@ -109,7 +119,7 @@ def test_files_and_json_of_the_command(bag, start, tmp_path, capsys):
     assert stiffness["determined"]
     assert stiffness["unit"] == "N/m"
     assert stiffness["standard_uncertainty"] < 10.0
-    assert said["gap_rad"] == pytest.approx(math.radians(12.0), abs=math.radians(0.1))
+    assert said["gap_rad"] == pytest.approx(GAP, abs=math.radians(0.1))
     assert said["gap_standard_uncertainty_rad"] < math.radians(0.1)
     assert said["delay_s"] == said["parameters"]["sensor.delay"]["value"]
     assert said["validation_rms_m"] < 2.0 * said["residual_rms_m"]
@@ -123,7 +133,7 @@ def test_files_and_json_of_the_command(bag, start, tmp_path, capsys):
     assert configuration.value("plant", "sensor.delay") == pytest.approx(0.5e-3, abs=1e-4)
     assert configuration.value("controller", "voltage_limit") == 24.0
     assert configuration.value("controller", "dead_zone_tolerance") == pytest.approx(
-        math.radians(12.0) * 1e-3 / (2 * math.pi), rel=0.05
+        GAP * 1e-3 / (2 * math.pi), rel=0.05
     )
     page = (report / "report.html").read_text()
     assert page.count("<svg") == 2
@@ -139,33 +149,37 @@ def resting_rows(duration):
 
 def held_rows(duration):
     """Return telemetry of a motor that is too weak for what holds it."""
-    stuck = replace(MACHINE, friction=1.0, offset=0.0, noise=0.0)
-    return telemetry(stuck, commissioning_reference(duration))
+    return telemetry(UnknownMachine(coulomb_friction=1.0, noise=0.0), duration)
 
 
 @pytest.mark.parametrize(
     ("rows", "options", "reason"),
     [
-        (resting_rows(20.0), [], "the motor does not move: its voltage is 0 V"),
         (
-            held_rows(20.0),
+            lambda: resting_rows(20.0),
+            [],
+            "the motor does not move: its voltage is 0 V",
+        ),
+        (
+            lambda: held_rows(20.0),
             [],
             "the platform moves over 0 um: must be at least 159 um, a radian of the screw",
         ),
         (
-            telemetry(MACHINE, commissioning_reference(6.0)),
+            lambda: telemetry(MACHINE, 6.0),
             [],
             "6 s of telemetry without holes: must be at least 10 s",
         ),
         (None, ["--seconds", "2"], "--seconds 2: must be 10 to 600"),
         (None, ["--known", "structure.mas"], "did you mean structure.mass?"),
         (None, ["--config", "missing.yaml"], "--config missing.yaml: cannot be read"),
+        (None, ["--config", "/dev/null"], "--config /dev/null: is a device: must be a file"),
     ],
 )
 def test_what_cannot_be_used_is_one_line(bag, tmp_path, capsys, rows, options, reason):
     given = bag
     if rows is not None:
-        given = bag_of(tmp_path / "bag", rows)
+        given = bag_of(tmp_path / "bag", rows())
     assert run_command(["calibrate", str(given), *options]) == BAD_INPUT
     said = capsys.readouterr().err
     assert reason in said

@@ -15,7 +15,9 @@ from bdt_study.evaluation.trial import (
     avoidable_limit_cycles,
     error_of,
     evaluate_loop,
+    judged_steps,
     run_trial,
+    steps_with_true_gap,
 )
 from bdt_study.simulation.closed_loop import Trajectory, simulate
 from bdt_study.simulation.twin_loop import TwinTrajectory
@@ -73,8 +75,12 @@ def run_with(dead_zones, duration=24.0):
     return scenario, TwinTrajectory(loop, tolerances, (), np.zeros_like(tolerances))
 
 
+def judge(scenario, run):
+    return evaluate_loop(judged_steps(scenario, run.loop, run.tolerances))
+
+
 def judged(dead_zones):
-    return evaluate_loop(*run_with(dead_zones))
+    return judge(*run_with(dead_zones))
 
 
 def test_a_loop_that_never_gets_a_dead_zone_is_judged_whole():
@@ -89,9 +95,15 @@ def test_steps_before_the_first_dead_zone_do_not_count():
     assert 0.0 < worst_bias < 2.0
 
 
+def judge_beside_the_true_gap(scenario, run):
+    return avoidable_limit_cycles(
+        judged_steps(scenario, run.loop, run.tolerances),
+        steps_with_true_gap(scenario, scenario.gap, run.tolerances),
+    )
+
+
 def avoidable(dead_zones):
-    scenario, run = run_with(dead_zones)
-    return avoidable_limit_cycles(scenario, scenario.gap, run)
+    return judge_beside_the_true_gap(*run_with(dead_zones))
 
 
 def test_a_loop_without_a_dead_zone_has_limit_cycles_that_knowing_the_gap_avoids():
@@ -108,8 +120,8 @@ def test_an_offset_of_the_amplifier_is_no_fault_of_the_estimator():
     scenario, run = run_with(lambda t: 0.0 * t)
     scenario = replace(scenario, actuator=ActuatorParameters(offset=0.05))
     run = replace(run, loop=simulate(scenario))
-    assert evaluate_loop(scenario, run)[0] == 3
-    _, steps_without = avoidable_limit_cycles(scenario, scenario.gap, run)
+    assert judge(scenario, run)[0] == 3
+    _, steps_without = judge_beside_the_true_gap(scenario, run)
     assert steps_without <= 1
 
 

@@ -13,15 +13,14 @@ from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.parameter_tables import suggestion
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_data import calibration_data, halves
-from bdt_study.calibration.identification import Data, Identification, identify
-from bdt_study.calibration.machine_constants import HELD, Constant, machine_constants
+from bdt_study.calibration.constant import HELD, Constant
+from bdt_study.calibration.fitted_data import Data
+from bdt_study.calibration.identification import Identification, identify
+from bdt_study.calibration.machine_constants import machine_constants
 from bdt_study.calibration.start_values import Configuration, start_model
 from bdt_study.calibration.validation import Residual, residual_of, validate_machine
 from bdt_twin.model_factors import check_room
-
-MISFIT = 0.02
-"""Share of the motion that may be a surprise from one comparison to the next, in a fit that
-explains it."""
+from bdt_twin.output_error import MISFIT
 
 IS_IT = ": is this voltage and position of one mechanism?"
 
@@ -140,7 +139,7 @@ def calibrate_recording(
             f"bag {recording.path}: the model does not explain {1e6 * unexplained:.3g} um "
             f"of a motion of {1e6 * motion:.3g} um{IS_IT}"
         )
-    reversals = found.reversals
+    reversals = found.window.reversals(found.fit.responses)
     last = data.stretches[-1]
     end = last.first + last.voltage.size - 1
     at = (reversals[-1] if reversals else end) / data.sampling_rate

@@ -9,7 +9,7 @@ from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.parameter_files import PARAMETERS_KEY
 from bdt_msgs_py.parameter_tables import in_parameter_names, known_parameters, parameter_sets
 from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
-from bdt_study.calibration.machine_constants import Constant
+from bdt_study.calibration.constant import Constant
 from bdt_study.calibration.start_values import TABLES, Configuration
 from bdt_twin.dead_zone_tolerance import tolerance_for_gap
 

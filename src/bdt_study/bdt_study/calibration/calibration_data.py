@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from bdt_analysis.re_estimation.estimator_setup import sampling_rate
 from bdt_bags.reading.recording import Recording
 from bdt_msgs_py.command_errors import BadInputError
-from bdt_study.calibration.identification import Data
+from bdt_study.calibration.fitted_data import SETTINGS, Data
 from bdt_twin.telemetry_window import TelemetryWindow
 from bdt_twin.window_model import Stretch
 
@@ -14,8 +14,6 @@ FloatArray = NDArray[np.float64]
 
 SHORTEST = 10.0
 """Telemetry that a calibration needs at least [s]."""
-SHORTEST_STRETCH = 1.0
-"""Shortest data between two holes that are used [s]."""
 ENOUGH_MOTION = 0.98
 """Share of the most motion in any part of the recording that makes a later part the better one."""
 SMALLEST_TURN = 1.0
@@ -49,7 +47,7 @@ def calibration_data(recording: Recording, seconds: float, pitch: float) -> Data
         window.append(part)
     data = Data([], rate)
     end = window.end or 0
-    stretches = window.stretches(end, round(SHORTEST_STRETCH * rate), data.block)
+    stretches = window.stretches(end, round(SETTINGS.shortest_stretch * rate), data.block)
     length = sum(stretch.voltage.size for stretch in stretches) / rate
     if length < SHORTEST:
         raise BadInputError(

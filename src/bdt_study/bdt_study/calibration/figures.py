@@ -6,6 +6,8 @@ from numpy.typing import NDArray
 from scipy.signal import welch
 
 from bdt_analysis.figures import figure_style as style
+from bdt_analysis.figures.decimation import envelope, hole_length
+from bdt_analysis.figures.run_figures import COLUMNS
 from bdt_study.calibration.calibrate import Calibration
 from bdt_study.calibration.validation import Residual
 from bdt_twin.machine_knowledge import EFFECTS
@@ -13,8 +15,6 @@ from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
 
-MOST_POINTS = 2000
-"""Pairs of smallest and largest value that a curve is drawn with."""
 SEGMENT = 2.0
 """Length of the pieces whose spectra are averaged [s]."""
 HIGHEST = 200.0
@@ -27,13 +27,13 @@ def residual_figure(result: Calibration) -> Figure:
     with style.house_style():
         figure = style.new_figure(9.6, 5.4)
         position, residual = figure.subplots(2, 1, sharex=True, height_ratios=(1, 2))
-        position.plot(*_thinned(fit.times, 1e3 * fit.position), color=style.POSITION)
+        position.plot(*_line(result, fit, 1e3 * fit.position), color=style.POSITION)
         position.set_ylabel("$q_3$ [mm]")
         residual.plot(
-            *_thinned(fit.times, 1e6 * fit.residual), color=style.ESTIMATE, label="fit to all"
+            *_line(result, fit, 1e6 * fit.residual), color=style.ESTIMATE, label="fit to all"
         )
         residual.plot(
-            *_thinned(validation.times, 1e6 * validation.residual),
+            *_line(result, validation, 1e6 * validation.residual),
             color=style.DEAD_ZONE,
             alpha=0.7,
             label="second half, machine of the first",
@@ -54,7 +54,7 @@ def spectrum_figure(result: Calibration) -> Figure:
         curves: tuple[tuple[str, str, FloatArray], ...] = (
             ("$q_3$", style.POSITION, result.residual.position),
             ("residual of the fit", style.ESTIMATE, result.residual.residual),
-            ("residual of the validation", style.DEAD_ZONE, _values(result.validation)),
+            ("residual of the validation", style.DEAD_ZONE, result.validation.residual),
         )
         for label, color, values in curves:
             length = min(round(SEGMENT * rate), values.size)
@@ -77,14 +77,9 @@ def correlation_table(result: Calibration) -> tuple[list[str], list[list[str]]]:
     return names, [[f"{value:+.2f}" for value in row] for row in correlations.tolist()]
 
 
-def _values(residual: Residual) -> FloatArray:
-    return residual.residual
-
-
-def _thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return smallest and largest value of each piece, so that no peak is lost."""
-    every = max(values.size // MOST_POINTS, 1)
-    count = values.size // every
-    pieces = values[: count * every].reshape(count, every)
-    ends = np.stack([pieces.min(axis=1), pieces.max(axis=1)], axis=1).ravel()
-    return np.repeat(times[: count * every : every], 2), ends
+def _line(
+    result: Calibration, residual: Residual, values: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the points of a line over the times of a residual, with holes where data have them."""
+    sample_time = 1.0 / result.data.sampling_rate
+    return envelope(residual.times, values, COLUMNS, hole_length(sample_time))

@@ -1,105 +1,41 @@
 """Constants of a machine from its telemetry, beginning with values that may be far off.
 
-The estimator's own fit is used with a prior so wide that it says nothing. What a least-squares fit
-does not find by itself is a structure that rings at half the frequency, or friction and a gap of
-another size: these are tried on a coarse copy of the data, the unlikely ones only for a few steps.
+The estimator's own fit is used with a prior so wide that it says nothing.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bdt_plant.friction import friction_voltage
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_window import CalibrationWindow
+from bdt_study.calibration.fitted_data import SETTINGS, Data
+from bdt_study.calibration.machine_search import fit_from_any_gap, search_beginning
+from bdt_study.calibration.prior_knowledge import (
+    HELD_SPREAD,
+    is_plausible,
+    wide_knowledge,
+)
 from bdt_study.calibration.segment_covariance import segment_covariance
 from bdt_twin.fit_result import Fit
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS, model_with
-from bdt_twin.noise_levels import SMALLEST_NOISE
 from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.unknowns import Unknowns
-from bdt_twin.window_model import Stretch
 from bdt_twin.window_search import initial_conditions_at_rest
 
-FloatArray = NDArray[np.float64]
-
-FACTOR_SPREAD = (0.7, 0.7, 0.7)
-"""Prior standard deviations of the logarithms of ``FACTORS``: twice as large, or half."""
-EFFECT_SPREAD = (1.0, 0.2, 2e-3, 1e-5)
-"""Prior standard deviations of ``EFFECTS`` [V, V, s, m/s]."""
-HELD_SPREAD = (1e-7, 1e-7, 1e-7, 1e-7, 1e-7, 1e-9, 1e-12)
-"""Standard deviations of ``FACTORS`` and ``EFFECTS`` that stay what they are."""
-
-FIRST_GAPS = (2.0, 8.0, 20.0)
-"""Gaps from which the search begins [deg]."""
-FIRST_STIFFNESSES = (0.5, 0.7, 1.0, 1.4, 2.0)
-"""Factors on k/m from which it begins: ringing is found again within a fifth of its frequency."""
-FIRST_FRICTIONS = (0.0, 0.2)
-"""Voltages for the friction, beside the known one, from which it begins [V]."""
-ROUGH_MISFIT = 0.25
-"""Share of the motion that the best beginning may leave."""
-OTHER_GAPS = (3.0, 8.0, 16.0, 28.0)
-"""Gaps from which it begins again if noise of the machine is found [deg]."""
 NO_GAP = math.radians(1.0)
 """Gap below which there may be none [rad]."""
 HIDDEN_WALK = 2.0
 """Walks of the motor in a second behind which a gap can hide."""
-PLAUSIBLE = 4.0
-"""Standard deviations of the prior within which a machine is one."""
-UNTOLD = 1e-9
-"""Standard deviation of an effect that is not looked for yet."""
-SURVIVORS = (12, 4, 2)
-"""How many beginnings are left after each round of the search."""
-ROUNDS = (2, 4, 8)
-"""Steps of the fit in each round."""
-COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
-"""Lowest rates at which beginnings are tried [Hz]."""
 ROUGH, FINE = 8, 12
 """Largest numbers of steps of the fit to all samples, before and after noise is told apart."""
 MOST_REPEATS = 8
 """Largest number of times that the fit before is begun anew, from where it ended."""
 SETTLED = 0.98
 """Ratio of two residuals above which it has come to an end."""
-KNOT_SPACING = 5.0
-"""Spacing of the knots between which the gap grows evenly [s]."""
-GROWTH_CHANGE = math.radians(0.02)
-"""Usual change of the gap's growth rate in a second [rad/s^1.5]."""
-RESIDUAL_RATE = 200.0
-"""Rate at which measured and simulated position are compared [Hz]."""
-
-
-class Data(NamedTuple):
-    """Telemetry that is fitted.
-
-    Attributes
-    ----------
-    stretches : sequence of Stretch
-        Telemetry without holes.
-    sampling_rate : float
-        Sampling rate [Hz].
-    """
-
-    stretches: Sequence[Stretch]
-    sampling_rate: float
-
-    @property
-    def block(self) -> int:
-        """Samples over which the residual is averaged."""
-        return max(round(self.sampling_rate / RESIDUAL_RATE), 1)
-
-    def window(self, model: PlantModel) -> CalibrationWindow:
-        """Return the forward model of these data."""
-        first, last = self.stretches[0], self.stretches[-1]
-        begin = math.floor(first.first / self.sampling_rate / KNOT_SPACING)
-        end = (last.first + last.voltage.size) / self.sampling_rate
-        count = max(math.ceil(end / KNOT_SPACING) - begin, 1) + 1
-        knots = KNOT_SPACING * (begin + np.arange(count, dtype=np.float64))
-        return CalibrationWindow(model, list(self.stretches), knots, self.sampling_rate, self.block)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,12 +55,6 @@ class Identification:
     model: PlantModel
     window: CalibrationWindow
     fit: Fit
-
-    @property
-    def reversals(self) -> list[int]:
-        """Numbers of the samples at which the screw began to move the other way."""
-        pairs = zip(self.window.stretches, self.fit.responses, strict=True)
-        return [stretch.first + sample for stretch, run in pairs for sample in run.reversals]
 
     def gap_at(self, time: float) -> tuple[float, float]:
         """Return the gap at a time [s] and its standard uncertainty [rad]."""
@@ -148,25 +78,6 @@ class Identification:
         return float(self.fit.unknowns.effects[EFFECTS.index(name)])
 
 
-def wide_knowledge(friction: float) -> MachineKnowledge:
-    """Return a prior that hardly says more than the order of magnitude.
-
-    Parameters
-    ----------
-    friction : float
-        Expected voltage of the friction [V].
-    """
-    expected = np.zeros(len(FACTORS) + len(EFFECTS))
-    expected[len(FACTORS)] = friction
-    return MachineKnowledge(expected, np.diag(np.square((*FACTOR_SPREAD, *EFFECT_SPREAD))))
-
-
-def friction_voltage(model: PlantModel) -> float:
-    """Return the voltage that the Coulomb friction of a model takes [V]."""
-    motor = model.motor
-    return motor.coulomb_friction / motor.torque_constant * motor.resistance
-
-
 def identify(model: PlantModel, data: Data) -> Identification:
     """Return the machine that explains the data best.
 
@@ -182,52 +93,22 @@ def identify(model: PlantModel, data: Data) -> Identification:
     ValueError
         If no such machine explains the data even roughly.
     """
-    found = _search(model, data)
+    found = search_beginning(model, data)
     # The fit goes on from a model whose factors are ones: its logarithms are bounded.
     begun = model_with(model, found.factors)
-    knowledge = wide_knowledge(friction_voltage(model))
+    knowledge = wide_knowledge(friction_voltage(model.motor))
     knowledge.expected[: len(FACTORS)] = -found.factors
     window = data.window(begun)
-    problem = WindowFit(window, GROWTH_CHANGE, knowledge)
+    problem = WindowFit(window, SETTINGS.growth_change, knowledge)
     start = replace(found, factors=np.zeros(len(FACTORS)))
     fit = _fitted(problem, start)
     if fit.levels[1:] != (0.0, 0.0, 0.0):
         # Where the model is wrong, least squares may have led astray, to no gap at all say.
-        other = _with_any_gap(window, knowledge, start)
+        other = fit_from_any_gap(window, knowledge, start, FINE)
         other = problem.solve(other.unknowns, FINE, 3 * FINE, levels=other.levels)
-        likely = [each for each in (fit, other) if _is_plausible(each, knowledge)]
+        likely = [each for each in (fit, other) if is_plausible(each, knowledge)]
         fit = min(likely or [fit], key=lambda each: each.prediction_error)
     return Identification(begun, window, replace(fit, covariance=segment_covariance(window, fit)))
-
-
-def _is_plausible(fit: Fit, knowledge: MachineKnowledge) -> bool:
-    """Tell whether a machine is what the prior allows, and not all of it noise of the machine."""
-    off = np.abs(fit.machine.expected - knowledge.expected)
-    spread = np.sqrt(np.diag(knowledge.covariance))
-    return bool((off <= PLAUSIBLE * spread).all()) and fit.levels.reading > 2.0 * SMALLEST_NOISE
-
-
-def _without_late_readings(knowledge: MachineKnowledge) -> MachineKnowledge:
-    """Return a prior that holds delay and drift: at reversals a gap is like a late reading."""
-    spread = np.diag(knowledge.covariance).copy()
-    spread[[len(FACTORS) + EFFECTS.index(name) for name in ("delay", "drift")]] = UNTOLD**2
-    return knowledge._replace(covariance=np.diag(spread))
-
-
-def _with_any_gap(window: CalibrationWindow, knowledge: MachineKnowledge, start: Unknowns) -> Fit:
-    """Return the best fit of a coarse copy that allows for noise of the machine all along."""
-    coarse = window.coarse(COARSE_RATE, COARSE_BLOCK_RATE)
-    problem = WindowFit(coarse, GROWTH_CHANGE, _without_late_readings(knowledge))
-    beginning = initial_conditions_at_rest(coarse)
-    effects = start.effects.copy()
-    effects[[EFFECTS.index("delay"), EFFECTS.index("drift")]] = 0.0
-    start, fits = replace(start, effects=effects), []
-    for gap in OTHER_GAPS:
-        gaps = np.full(coarse.knots.size, math.radians(gap))
-        unknowns = replace(start, gaps=gaps, initial_conditions=beginning)
-        levels = problem.solve(unknowns, 0, 1).levels
-        fits.append(problem.solve(unknowns, FINE, 3 * FINE, levels=levels))
-    return min(fits, key=lambda each: each.prediction_error)
 
 
 def identify_from(known: Identification, data: Data) -> Identification:
@@ -242,7 +123,7 @@ def identify_from(known: Identification, data: Data) -> Identification:
     """
     window = data.window(known.model)
     knowledge = wide_knowledge(known.effect("friction_voltage"))
-    problem = WindowFit(window, GROWTH_CHANGE, knowledge)
+    problem = WindowFit(window, SETTINGS.growth_change, knowledge)
     return Identification(known.model, window, _fitted(problem, _moved(known, window)))
 
 
@@ -258,7 +139,7 @@ def with_machine_held(known: Identification, data: Data) -> Identification:
     """
     window, told = data.window(known.model), known.fit.machine
     held = MachineKnowledge(told.expected, np.diag(np.square(HELD_SPREAD)))
-    problem = WindowFit(window, GROWTH_CHANGE, held)
+    problem = WindowFit(window, SETTINGS.growth_change, held)
     return Identification(known.model, window, _rough(problem, _moved(known, window)))
 
 
@@ -289,33 +170,3 @@ def _moved(known: Identification, window: CalibrationWindow) -> Unknowns:
     unknowns = known.fit.unknowns
     gaps = np.interp(window.knots, known.window.knots, unknowns.gaps)
     return Unknowns(gaps, unknowns.factors, initial_conditions_at_rest(window), unknowns.effects)
-
-
-def _search(model: PlantModel, data: Data) -> Unknowns:
-    """Return the most likely of many beginnings, on a coarse copy of the data."""
-    coarse = data.window(model).coarse(COARSE_RATE, COARSE_BLOCK_RATE)
-    friction = friction_voltage(model)
-    knowledge = wide_knowledge(friction)
-    frictions = dict.fromkeys((friction, *FIRST_FRICTIONS))
-    candidates = []
-    for gap, stiffness, voltage in product(FIRST_GAPS, FIRST_STIFFNESSES, frictions):
-        factors, effects = np.zeros(len(FACTORS)), np.zeros(len(EFFECTS))
-        factors[FACTORS.index("stiffness")] = math.log(stiffness)
-        effects[EFFECTS.index("friction_voltage")] = voltage
-        gaps = np.full(coarse.knots.size, math.radians(gap))
-        beginning = initial_conditions_at_rest(coarse)
-        candidates.append(Unknowns(gaps, factors, beginning, effects))
-    for number, (steps, survivors) in enumerate(zip(ROUNDS, SURVIVORS, strict=True)):
-        is_last = number == len(ROUNDS) - 1
-        prior = knowledge if is_last else _without_late_readings(knowledge)
-        problem = WindowFit(coarse, GROWTH_CHANGE, prior)
-        fits = [problem.solve(each, steps, 2 * steps) for each in candidates]
-        fits.sort(key=lambda fit: fit.residual)
-        candidates = [fit.unknowns for fit in fits[:survivors]]
-    motion = max(float(np.std(stretch.position)) for stretch in coarse.stretches)
-    if not fits[0].residual <= ROUGH_MISFIT * motion:
-        raise ValueError(
-            f"the model does not explain {1e6 * fits[0].residual:.3g} um "
-            f"of a motion of {1e6 * motion:.3g} um"
-        )
-    return candidates[0]

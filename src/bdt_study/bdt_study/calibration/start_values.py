@@ -1,14 +1,17 @@
 """Values with which a calibration begins: a parameter file, what the bag tells, or the defaults."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from bdt_controller.parameters import PARAMETERS as CONTROLLER_PARAMETERS
 from bdt_msgs_py.command_errors import BadInputError
-from bdt_msgs_py.parameter_files import PARAMETERS_KEY
+from bdt_msgs_py.parameter_files import (
+    PARAMETERS_KEY,
+    checked_parameters,
+    no_parameter_file,
+    read_sections,
+)
 from bdt_msgs_py.parameter_tables import (
     ParameterTable,
     check_value,
@@ -16,7 +19,6 @@ from bdt_msgs_py.parameter_tables import (
     in_parameter_names,
     known_parameters,
     parameter_sets,
-    suggestion,
 )
 from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
 from bdt_plant.lead_screw import LeadScrewParameters
@@ -43,8 +45,6 @@ MODEL: ParameterTable = (
 )
 """Parameters of the mechanism, which plant and twin have in common."""
 
-_ROS_PARAMETERS = ("use_sim_time", "start_type_description_service")
-
 
 def read_configuration(path: Path) -> Configuration:
     """Read a ROS parameter file.
@@ -59,22 +59,23 @@ def read_configuration(path: Path) -> Configuration:
     BadInputError
         If it cannot be read, or a value is not allowed.
     """
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadInputError(f"--config {path}: cannot be read: {error}") from error
-    except yaml.YAMLError as error:
-        raise BadInputError(f"--config {path}: is not YAML: {error}") from error
+    label = f"--config {path}"
+    sections = {
+        section: content[PARAMETERS_KEY] or {}
+        for section, content in read_sections(label, path).items()
+        if isinstance(content, dict) and PARAMETERS_KEY in content
+    }
+    if not sections:
+        raise no_parameter_file(label)
     values: Configuration = {node: {} for node in TABLES}
-    if not isinstance(document, dict) or not any(
-        isinstance(content, dict) and PARAMETERS_KEY in content for content in document.values()
-    ):
-        raise BadInputError(f"--config {path}: must be a ROS parameter file with nodes")
-    for section, content in document.items():
-        parameters = content.get(PARAMETERS_KEY) if isinstance(content, dict) else None
-        for node in TABLES:
-            label = f"--config {path}: {section}"
-            values[node] |= _checked(label, str(section), node, dict(_flat(parameters or {})))
+    for section, parameters in sections.items():
+        named = section.rsplit("/", 1)[-1]
+        for_all = named in ("*", "**")
+        for node, table in TABLES.items():
+            if for_all or named == node:
+                values[node] |= checked_parameters(
+                    f"{label}: {section}", parameters, table, for_all=for_all
+                )
     return values
 
 
@@ -114,33 +115,3 @@ def model_values(model: PlantModel) -> dict[str, float]:
         for (prefix, kind), part in zip(MODEL, parts, strict=True)
         for name in vars(kind())
     }
-
-
-def _checked(label: str, section: str, node: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a section of a file sets for a node."""
-    named, known = section.rsplit("/", 1)[-1], known_parameters(TABLES[node])
-    if named not in (node, "*", "**"):
-        return {}
-    values = {}
-    for name, value in parameters.items():
-        if name in known:
-            check_value(f"{label}: {name}", value, *known[name])
-        elif name not in _ROS_PARAMETERS and not name.startswith("qos_overrides."):
-            # What is for all nodes need not be for this one.
-            if named != node:
-                continue
-            raise BadInputError(
-                f"{label}: {name} = {value!r}: is not a parameter of this node"
-                f"{suggestion(name, known)}"
-            )
-        values[name] = value
-    return values
-
-
-def _flat(parameters: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Iterate over the values of nested mappings with their full names."""
-    if not isinstance(parameters, dict):
-        yield prefix, parameters
-        return
-    for name, value in parameters.items():
-        yield from _flat(value, full_name(prefix, str(name)))

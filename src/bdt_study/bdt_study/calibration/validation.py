@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_study.calibration.fitted_data import Data
 from bdt_study.calibration.identification import (
-    Data,
     Identification,
     identify_from,
     with_machine_held,

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from bdt_plant.plant import PlantModel
 from bdt_study.evaluation.case import Case
 from bdt_study.evaluation.cases import draw_scenario
 from bdt_study.simulation.closed_loop import Scenario, Trajectory, simulate
-from bdt_study.simulation.twin_loop import TwinTrajectory, simulate_with_twin
+from bdt_study.simulation.twin_loop import simulate_with_twin
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.dead_zone_tolerance import EQUATION_9, DeadZoneSettings
 from bdt_twin.estimator import Estimate, Estimator
@@ -137,8 +138,10 @@ def run_trial(case: Case, kind: str, seed: int) -> Trial:
     # What the paper's estimator states is a mean over its window (figure 6).
     age = 0.5 * settings.window if kind == "inverse_filter" else 0.0
     learned = [each for each in run.estimates if each.is_known and not each.reason]
-    limit_cycles, worst_bias = evaluate_loop(scenario, run)
-    avoidable, steps = avoidable_limit_cycles(scenario, gap, run)
+    judged = judged_steps(scenario, run.loop, run.tolerances)
+    limit_cycles, worst_bias = evaluate_loop(judged)
+    ideal = steps_with_true_gap(scenario, gap, run.tolerances)
+    avoidable, steps = avoidable_limit_cycles(judged, ideal)
     return Trial(
         np.array([error_of(estimate, gap, age) for estimate in learned]),
         np.array([estimate.uncertainty for estimate in learned]),
@@ -157,36 +160,27 @@ def error_of(estimate: Estimate, gap: GapProfile, age: float = 0.0) -> float:
     return estimate.gap - gap_at(gap, max(estimate.time - age, 0.0))
 
 
-def evaluate_loop(scenario: Scenario, run: TwinTrajectory) -> tuple[int, float]:
-    """Return the number of limit cycles and the worst bias [% of the amplitude].
-
-    Judged is the true position, from the first step on that begins after the first dead zone
-    has arrived: before a reversal nobody can know the gap. A step that is cut short is left out.
-    """
-    summaries = _judged_steps(scenario, run.loop, run.tolerances)
+def evaluate_loop(steps: Sequence[StepSummary]) -> tuple[int, float]:
+    """Return the number of limit cycles in some steps and the worst bias [% of the amplitude]."""
     biases = [
         abs(step.bias_percent_of_amplitude)
-        for step in summaries
+        for step in steps
         if step.bias_percent_of_amplitude is not None
     ]
-    return sum(bool(step.limit_cycle) for step in summaries), max(biases, default=0.0)
+    return sum(bool(step.limit_cycle) for step in steps), max(biases, default=0.0)
 
 
 def avoidable_limit_cycles(
-    scenario: Scenario, gap: GapProfile, run: TwinTrajectory
+    steps: Sequence[StepSummary], ideal: Sequence[StepSummary]
 ) -> tuple[int, int]:
     """Return what knowing the gap would have spared.
 
-    The same steps are judged in the same scenario with eq. 9 for the true gap of each instant.
-
     Parameters
     ----------
-    scenario : Scenario
-        The scenario.
-    gap : GapProfile
-        Its gap.
-    run : TwinTrajectory
-        What became of it with an estimator.
+    steps : sequence of StepSummary
+        The steps of a loop.
+    ideal : sequence of StepSummary
+        The same steps with the true gap as dead zone, from :func:`steps_with_true_gap`.
 
     Returns
     -------
@@ -195,22 +189,37 @@ def avoidable_limit_cycles(
     steps : int
         Steps that have none with the true gap.
     """
-    times = np.arange(scenario.control_steps) / scenario.sampling.control_rate
-    tolerances = scenario.model.lead_screw.pitch * gaps_at(gap, times)
-    loop = simulate(replace(scenario, dead_zone=tolerances), ("u", "q3"))
-    pairs = zip(
-        _judged_steps(scenario, run.loop, run.tolerances),
-        _judged_steps(scenario, loop, run.tolerances),
-        strict=True,
-    )
-    avoidable = [bool(step.limit_cycle) for step, ideal in pairs if not ideal.limit_cycle]
+    pairs = zip(steps, ideal, strict=True)
+    avoidable = [bool(step.limit_cycle) for step, best in pairs if not best.limit_cycle]
     return sum(avoidable), len(avoidable)
 
 
-def _judged_steps(
-    scenario: Scenario, loop: Trajectory, tolerances: FloatArray
+def steps_with_true_gap(
+    scenario: Scenario, gap: GapProfile, tolerances: FloatArray
 ) -> list[StepSummary]:
-    """Return the steps that begin after the first of the dead zones in force."""
+    """Return the judged steps of a scenario with eq. 9 for the true gap of each instant.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+    gap : GapProfile
+        Its gap.
+    tolerances : ndarray, shape (control steps,)
+        Dead zones of the loop that is judged beside it: the same steps count [m].
+    """
+    times = np.arange(scenario.control_steps) / scenario.sampling.control_rate
+    known = scenario.model.lead_screw.pitch * gaps_at(gap, times)
+    loop = simulate(replace(scenario, dead_zone=known), ("u", "q3"))
+    return judged_steps(scenario, loop, tolerances)
+
+
+def judged_steps(scenario: Scenario, loop: Trajectory, tolerances: FloatArray) -> list[StepSummary]:
+    """Return the steps that begin after the first of the dead zones in force.
+
+    Judged is the true position, from the first step on that begins after the first dead zone
+    has arrived: before a reversal nobody can know the gap. A step that is cut short is left out.
+    """
     sample_time = 1.0 / scenario.sampling.sampling_rate
     telemetry = np.stack([loop.t, loop.u, loop.q3], axis=1)
     steps = find_steps(_reference_steps(scenario), telemetry, sample_time)

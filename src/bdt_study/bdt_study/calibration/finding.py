@@ -1,0 +1,148 @@
+"""What a fit has found out, and what it leaves as it was believed to be."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from bdt_plant.friction import friction_voltage
+from bdt_plant.plant import PlantModel
+from bdt_study.calibration.constant import Constant
+from bdt_study.calibration.identification import Identification
+from bdt_study.calibration.prior_knowledge import EFFECT_SPREAD, FACTOR_SPREAD
+from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.model_factors import FACTORS
+
+FRICTION_DOUBT = 3.0
+"""Times that the friction is off by more than the walk of the motor in a second tells."""
+
+LARGEST_UNCERTAINTY = {
+    "gain": 0.05,
+    "stiffness": 0.05,
+    "damping": 0.2,
+    "friction_voltage": 0.05,
+    "voltage_offset": 0.01,
+    "delay": 2.5e-4,
+    "drift": 2e-7,
+    "gap": math.radians(1.0),
+}
+"""Standard uncertainties above which data have not determined something: of logarithms of the
+factors, and of effects [V, V, s, m/s] and gap [rad]."""
+
+MOTION_OF = {
+    "gain": "motion over some millimeters at constant speed",
+    "stiffness": "steps that make the structure ring",
+    "damping": "steps, with rests in which the ringing dies away",
+    "friction_voltage": "slow motion in both directions, at two speeds",
+    "voltage_offset": "slow motion forward and backward at the same speed",
+    "delay": "quick reversals, before anything has come to rest",
+    "drift": "a rest at the same place at the beginning and at the end",
+    "gap": "reversals of the motor, each beyond the gap",
+}
+"""Motion that would tell what the data do not."""
+
+
+class Finding:
+    """Values and uncertainties of what a fit looked for, or of the prior where it found nothing.
+
+    Parameters
+    ----------
+    start : PlantModel
+        Start values.
+    found : Identification
+        The machine that was found.
+
+    Attributes
+    ----------
+    values, deviations : dict of str to float
+        For each of ``FACTORS`` (as the factor itself) and ``EFFECTS`` its value and its standard
+        uncertainty, which is relative for a factor.
+    determined : dict of str to bool
+        Whether the data have determined it.
+    """
+
+    def __init__(self, start: PlantModel, found: Identification) -> None:
+        machine = found.fit.machine
+        names = (*FACTORS, *EFFECTS)
+        deviations = np.sqrt(np.diag(machine.covariance)).tolist()
+        friction = len(FACTORS) + EFFECTS.index("friction_voltage")
+        doubt = _friction_doubt(found)
+        deviations[friction] = math.hypot(deviations[friction], doubt)
+        # Friction that is off by a voltage makes all speeds off by its share of the voltage.
+        deviations[0] = math.hypot(deviations[0], doubt / _usual_voltage(found))
+        gain = start.motor.back_emf_constant / found.found_model.motor.back_emf_constant
+        ratios = [structure_ratios(found.found_model), structure_ratios(start)]
+        factors = (
+            gain,
+            *(after / before for after, before in zip(*ratios, strict=True)),
+        )
+        values = [*factors, *machine.expected[len(FACTORS) :].tolist()]
+        starts = [1.0] * len(FACTORS) + [friction_voltage(start.motor), 0.0, 0.0, 0.0]
+        spreads = (*FACTOR_SPREAD, *EFFECT_SPREAD)
+        self.values, self.deviations = {}, {}
+        self.determined = {
+            name: deviation <= LARGEST_UNCERTAINTY[name]
+            for name, deviation in zip(names, deviations, strict=True)
+        }
+        for name, value, deviation, first, spread in zip(
+            names, values, deviations, starts, spreads, strict=True
+        ):
+            is_found = self.determined[name]
+            self.values[name] = value if is_found else first
+            self.deviations[name] = deviation if is_found else spread
+
+    def constant(
+        self,
+        name: str,
+        value: float,
+        unit: str,
+        deviation: float,
+        doubts: Sequence[tuple[str, float]] = (),
+    ) -> Constant:
+        """Return a constant that stands on a finding.
+
+        Parameters
+        ----------
+        name : str
+            The finding.
+        value, unit
+            See :class:`Constant`.
+        deviation : float
+            Standard uncertainty from the finding.
+        doubts : sequence of (str, float)
+            Constants for which it is stated, with the standard uncertainty that comes from each.
+        """
+        determined = self.determined[name]
+        return Constant(
+            value,
+            unit,
+            math.hypot(deviation, *(doubt for _, doubt in doubts)),
+            determined,
+            tuple(held for held, _ in doubts),
+            deviation,
+            "" if determined else MOTION_OF[name],
+        )
+
+
+def _friction_doubt(found: Identification) -> float:
+    """Return by how much the friction's voltage is unsure because it is not the same always [V].
+
+    A walk of the motor that the data show is what friction does that depends on speed or place. By
+    how much it is off in a second, the friction may be off in all of them.
+    """
+    motor, pitch = found.found_model.motor, found.model.lead_screw.pitch
+    walk = max(found.fit.levels.fast, found.fit.levels.slow)
+    return FRICTION_DOUBT * walk * motor.back_emf_constant / pitch
+
+
+def _usual_voltage(found: Identification) -> float:
+    """Return the rms of the voltage while the motor turns [V]."""
+    voltage = np.concatenate([stretch.voltage for stretch in found.window.stretches])
+    turns = np.abs(voltage) > found.effect("friction_voltage")
+    return float(np.sqrt(np.mean(np.square(voltage[turns])))) if turns.any() else 1.0
+
+
+def structure_ratios(model: PlantModel) -> tuple[float, float]:
+    """Return k/m [1/s^2] and c/m [1/s]."""
+    structure = model.structure
+    return structure.stiffness / structure.mass, structure.damping / structure.mass
