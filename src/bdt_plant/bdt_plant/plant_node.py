@@ -12,6 +12,7 @@ from rclpy.task import Future
 from sensor_msgs.msg import JointState, TimeReference
 
 from bdt_msgs_py.admission import Admission
+from bdt_msgs_py.awaited_commands import AwaitedCommands
 from bdt_msgs_py.clock_check import keep_wall_time
 from bdt_msgs_py.command_errors import BadInputError, LoopError
 from bdt_msgs_py.diagnostics import DiagnosticsPublisher, Health
@@ -22,7 +23,6 @@ from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_seconds
 from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.topics import CLOCK, COMMAND, MEASUREMENT, PLANT_NODE, PROGRESS, TELEMETRY, TRUTH
-from bdt_plant.awaited_commands import AwaitedCommands
 from bdt_plant.clock_owner import LOOK_PERIOD, ClockOwner
 from bdt_plant.compiled_period import compiled_period_of
 from bdt_plant.limits import LimitedDrive

@@ -2,9 +2,9 @@
 
 import pytest
 
+from bdt_msgs_py.awaited_commands import AwaitedCommands
 from bdt_msgs_py.message_checks import VoltageCommand
 from bdt_msgs_py.rejection import MessageRejectedError, Reason
-from bdt_plant.awaited_commands import AwaitedCommands
 
 PERIOD = 2_000_000
 TIMEOUT = 0.1
