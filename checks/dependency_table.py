@@ -59,6 +59,7 @@ PROVIDERS = {
             "rosgraph_msgs",
             "sensor_msgs",
             "std_msgs",
+            "std_srvs",
         )
     },
 }

@@ -11,6 +11,7 @@ PACKAGES = (
     "bdt_msgs_py",
     "bdt_plant",
     "bdt_controller",
+    "bdt_driver",
     "bdt_twin",
     "bdt_bags",
     "bdt_analysis",

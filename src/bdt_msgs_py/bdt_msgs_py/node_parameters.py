@@ -101,6 +101,33 @@ def declare_all(node: Node, parameters: ParameterTable) -> list[Any]:
     return declared
 
 
+def declare_options(node: Node, prefix: str) -> dict[str, Any]:
+    """Declare the parameters that were given below a prefix, whatever their names are.
+
+    For code from outside this project, which alone knows what it takes.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        Node that gets the parameters, all read-only.
+    prefix : str
+        For example ``drive`` for parameters named ``drive.port``.
+
+    Returns
+    -------
+    dict
+        Values by the names without the prefix.
+    """
+    given = {
+        name: override.value
+        for name, override in node._parameter_overrides.items()
+        if name.startswith(f"{prefix}.")
+    }
+    for name, value in given.items():
+        node.declare_parameter(name, value, ParameterDescriptor(read_only=True))
+    return {name.removeprefix(f"{prefix}."): value for name, value in given.items()}
+
+
 @contextmanager
 def destroy_on_error(node: Node) -> Iterator[None]:
     """Destroy a node whose configuration is refused within the ``with`` block.

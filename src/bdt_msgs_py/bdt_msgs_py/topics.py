@@ -141,6 +141,7 @@ TRUTH_COLUMNS = (
 )
 
 PLANT_NODE = "plant"
+DRIVER_NODE = "driver"
 CONTROLLER_NODE = "controller"
 TWIN_NODE = "twin"
 RECORDER_NODE = "recorder"

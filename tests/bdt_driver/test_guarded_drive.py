@@ -1,0 +1,41 @@
+"""Somebody's drive is found, and what is wrong with it is told in a line with its place."""
+
+import pytest
+from rail_drive import MADE
+
+from bdt_driver.guarded_drive import DriveError, GuardedDrive
+
+
+def create(kind, **options):
+    drive = GuardedDrive(kind, options, 0.1, lambda line: None)
+    drive.end()
+    return drive
+
+
+def test_the_class_gets_its_parameters():
+    create("rail_drive:RailDrive", samples=4)
+    assert MADE[-1].per_period == 4
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "message"),
+    [
+        ("no_such_module:Drive", {}, "No module named 'no_such_module'"),
+        ("rail_drive:RailDrives", {}, "has no class RailDrives; did you mean RailDrive?"),
+        ("rail_drive:RailDrive", {"port": 1}, "RailDrive: does not take drive.port"),
+        ("rail_drive:NoStop", {}, r"NoStop: has no method stop\(\)"),
+        ("rail_drive:SPEED", {}, "has no class SPEED"),
+    ],
+)
+def test_what_is_no_drive_is_refused_in_a_line(kind, options, message):
+    with pytest.raises(DriveError, match=message) as caught:
+        create(kind, **options)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("found", [None, 1.0, (1.0,), ("a", 1.0), (1.0, 2.0, None, 3.0)])
+def test_a_reading_that_is_none_is_a_fault(found):
+    drive = create("rail_drive:RailDrive")
+    drive._read = lambda: found
+    with pytest.raises(DriveError, match="must be position, voltage and samples if any"):
+        drive.read()
