@@ -12,15 +12,18 @@ def test_the_voltage_of_a_row_is_the_one_that_was_applied_after_it():
     for number, (position, voltage) in enumerate([(1.0, 9.0), (2.0, 5.0), (3.0, 6.0)]):
         rows.add(number, 0.002 * number, Reading(position, voltage))
     assert len(rows) == 2
-    np.testing.assert_array_equal(rows.take(), [[0.0, 5.0, 1.0], [0.002, 6.0, 2.0]])
+    (batch,) = rows.take()
+    np.testing.assert_array_equal(batch, [[0.0, 5.0, 1.0], [0.002, 6.0, 2.0]])
     assert len(rows) == 0
 
 
-def test_a_period_without_a_reading_leaves_a_hole():
+def test_a_period_without_a_reading_leaves_a_hole_between_two_batches():
     rows = TelemetryRows(1, 0.002)
-    for number in (0, 1, 4, 5):
+    for number in (0, 1, 2, 5, 6, 7):
         rows.add(number, 0.002 * number, Reading(0.1 * number, 1.0))
-    np.testing.assert_allclose(rows.take()[:, 0], [0.0, 0.008])
+    before, after = rows.take()
+    np.testing.assert_allclose(before[:, 0], [0.0, 0.002])
+    np.testing.assert_allclose(after[:, 0], [0.01, 0.012])
 
 
 def test_samples_that_a_reading_brings_end_at_its_time():
@@ -28,7 +31,7 @@ def test_samples_that_a_reading_brings_end_at_its_time():
     samples = np.arange(8.0).reshape(4, 2)
     rows.add(0, 1.0, Reading(7.0, 6.0, samples))
     rows.add(1, 1.002, Reading(7.0, 6.0, samples))
-    taken = rows.take()
+    (taken,) = rows.take()
     np.testing.assert_allclose(taken[:, 0], 1.0 + 0.0005 * np.arange(-3, 5))
     np.testing.assert_array_equal(taken[:, 1:], np.tile(samples, (2, 1)))
 
@@ -45,4 +48,5 @@ def test_a_reading_after_missed_periods_brings_their_samples_as_well():
     rows = TelemetryRows(4, 0.0005)
     rows.add(0, 0.0, Reading(0.0, 0.0, np.zeros((4, 2))))
     rows.add(3, 0.006, Reading(0.0, 0.0, np.zeros((12, 2))))
-    np.testing.assert_allclose(np.diff(rows.take()[:, 0]), 0.0005)
+    (batch,) = rows.take()
+    np.testing.assert_allclose(np.diff(batch[:, 0]), 0.0005)

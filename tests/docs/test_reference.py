@@ -66,7 +66,7 @@ def test_every_topic_has_a_row(html):
     assert [topic.name for topic in ALL_TOPICS if f">{topic.name}<" not in page] == []
 
 
-@pytest.mark.parametrize("node", ["plant", "controller", "twin", "recorder"])
+@pytest.mark.parametrize("node", ["plant", "controller", "driver", "twin", "recorder"])
 def test_every_parameter_has_a_row(html, node):
     page = (html / "reference" / "parameters.html").read_text(encoding="utf-8")
     (table,) = entry_points(group="bdt.parameters", name=node)

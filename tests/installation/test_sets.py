@@ -24,7 +24,7 @@ pytestmark = pytest.mark.skipif(
     find_spec("embedded_ros") is None, reason="beside a ROS 2, rosdep chooses what is installed"
 )
 
-ROBOT = ("bdt_msgs_py", "bdt_controller", "bdt_bringup")
+ROBOT = ("bdt_msgs_py", "bdt_controller", "bdt_driver", "bdt_bringup")
 TWIN = ("bdt_msgs_py", "bdt_plant", "bdt_twin")
 
 NOT_FOR_A_ROBOT = ("control", "jinja2", "matplotlib", "mcap", "numba", "plotly", "rich", "scipy")

@@ -117,7 +117,8 @@ class DriverNode(Node):
         except ValueError as error:
             self.get_logger().warning(f"read: {error}", throttle_duration_sec=5.0)
         if len(self._rows) >= self._batch:
-            self._telemetry.publish(sample_message(self._rows.take(), TELEMETRY_COLUMNS))
+            for batch in self._rows.take():
+                self._telemetry.publish(sample_message(batch, TELEMETRY_COLUMNS))
 
     def _take_command(self, message: JointState) -> None:
         try:

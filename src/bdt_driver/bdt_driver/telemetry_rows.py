@@ -23,11 +23,12 @@ class TelemetryRows:
     def __init__(self, samples_per_period: int, sample_time: float) -> None:
         self._per_period = samples_per_period
         self._sample_time = sample_time
-        self._rows: list[NDArray[np.float64]] = []
+        self._runs: list[list[NDArray[np.float64]]] = []
+        self._newest: int | None = None
         self._waiting: tuple[int, float, float] | None = None
 
     def __len__(self) -> int:
-        return sum(len(rows) for rows in self._rows)
+        return sum(len(rows) for run in self._runs for rows in run)
 
     def add(self, number: int, time: float, reading: Reading) -> None:
         """Take a reading.
@@ -49,7 +50,8 @@ class TelemetryRows:
         waiting, self._waiting = self._waiting, (number, time, reading.position)
         if reading.samples is None:
             if waiting is not None and waiting[0] == number - 1:
-                self._rows.append(np.array([[waiting[1], reading.voltage, waiting[2]]]))
+                row = np.array([[waiting[1], reading.voltage, waiting[2]]])
+                self._append(row, waiting[0], waiting[0])
             return
         samples = np.asarray(reading.samples, dtype=float)
         expected = self._per_period * (number - waiting[0]) if waiting else len(samples)
@@ -59,10 +61,23 @@ class TelemetryRows:
                 f"{self._per_period} for each control period"
             )
         times = time + self._sample_time * np.arange(1 - len(samples), 1)
-        self._rows.append(np.column_stack((times, samples)))
+        first = waiting[0] + 1 if waiting else number
+        self._append(np.column_stack((times, samples)), first, number)
 
-    def take(self) -> NDArray[np.float64]:
-        """Return the rows, shape (n, 3), and begin the next batch."""
-        rows = np.concatenate(self._rows)
-        self._rows.clear()
-        return rows
+    def take(self) -> list[NDArray[np.float64]]:
+        """Return the rows as batches and begin the next one.
+
+        Returns
+        -------
+        list of ndarray, shape (n, 3)
+            Even times within each: where control periods were missed another one begins.
+        """
+        runs = [np.concatenate(run) for run in self._runs]
+        self._runs.clear()
+        return runs
+
+    def _append(self, rows: NDArray[np.float64], first: int, last: int) -> None:
+        if not self._runs or self._newest != first - 1:
+            self._runs.append([])
+        self._runs[-1].append(rows)
+        self._newest = last
