@@ -255,24 +255,30 @@ def test_the_plant_owns_the_clock(ros):
     assert plant.set_parameters([Parameter("use_sim_time", value=False)])[0].successful
 
 
-@pytest.mark.parametrize("silent", ["twin", "recorder"])
-def test_the_follower_that_is_silent_is_named_whatever_the_other_one_says(ros, silent):
+def bench_with_followers(ros, followers, timeout):
+    """Return a bench whose followers wait for the first telemetry, after the first command."""
     bench = Bench(
         ros,
-        lockstep_followers=["twin", "recorder"],
+        lockstep_followers=followers,
         telemetry_period=0.002,
-        lockstep_timeout=1.0,
+        lockstep_timeout=timeout,
         resend_period=0.05,
     )
+    for name in followers:
+        bench.progress.publish(progress(name, 0, None))
+    ros.spin_until(lambda: bench.measurements)
+    bench.command.publish(motor_voltage(0, 0.0))
+    return bench
+
+
+@pytest.mark.parametrize("silent", ["twin", "recorder"])
+def test_the_follower_that_is_silent_is_named_whatever_the_other_one_says(ros, silent):
     (other,) = {"twin", "recorder"} - {silent}
     listener = ros.create(Node, "listener")
     listener.create_subscription(
         Float64MultiArray, TELEMETRY.name, lambda _: None, qos_profile(TELEMETRY)
     )
-    for name in ("twin", "recorder"):
-        bench.progress.publish(progress(name, 0, None))
-    ros.spin_until(lambda: bench.measurements)
-    bench.command.publish(motor_voltage(0, 0.0))
+    bench = bench_with_followers(ros, ["twin", "recorder"], 1.0)
     alive = bench.node.create_timer(
         0.05, lambda: bench.progress.publish(progress(other, 1_800_000, None))
     )
@@ -282,16 +288,7 @@ def test_the_follower_that_is_silent_is_named_whatever_the_other_one_says(ros, s
 
 
 def test_a_follower_that_speaks_and_does_not_come_on_ends_the_run(ros):
-    bench = Bench(
-        ros,
-        lockstep_followers=["twin"],
-        telemetry_period=0.002,
-        lockstep_timeout=1.0,
-        resend_period=0.05,
-    )
-    bench.progress.publish(progress("twin", 0, None))
-    ros.spin_until(lambda: bench.measurements)
-    bench.command.publish(motor_voltage(0, 0.0))
+    bench = bench_with_followers(ros, ["twin"], 1.0)
     alive = bench.node.create_timer(
         0.05, lambda: bench.progress.publish(progress("twin", 0, 1_000_000))
     )
@@ -301,16 +298,7 @@ def test_a_follower_that_speaks_and_does_not_come_on_ends_the_run(ros):
 
 
 def test_a_follower_that_is_slow_and_comes_on_is_awaited(ros):
-    bench = Bench(
-        ros,
-        lockstep_followers=["twin"],
-        telemetry_period=0.002,
-        lockstep_timeout=2.0,
-        resend_period=0.05,
-    )
-    bench.progress.publish(progress("twin", 0, None))
-    ros.spin_until(lambda: bench.measurements)
-    bench.command.publish(motor_voltage(0, 0.0))
+    bench = bench_with_followers(ros, ["twin"], 2.0)
     ros.spin_until(lambda: bench.telemetry)
     said = []
 

@@ -112,8 +112,7 @@ def voltage_offset_requests(bag: RawBag, clock: Clock) -> FloatArray:
         stamp, voltage = read_voltage(message, VOLTAGE_OFFSET_JOINT)
         return stamp, _age(message), voltage
 
-    times, ages, voltages = _rows(bag, BACKLASH_ESTIMATE, read, clock, 3).T
-    return _in_order(np.stack([times + ages, voltages], axis=1))
+    return _by_newest_sample(bag, read, clock)
 
 
 def held_gaps(bag: RawBag, clock: Clock) -> FloatArray:
@@ -141,8 +140,15 @@ def held_gaps(bag: RawBag, clock: Clock) -> FloatArray:
         stamp, gap = read_position(message, GAP_JOINT)
         return stamp, _age(message), gap
 
-    times, ages, gaps = _rows(bag, BACKLASH_ESTIMATE, read, clock, 3).T
-    return _in_order(np.stack([times + ages, gaps], axis=1))
+    return _by_newest_sample(bag, read, clock)
+
+
+def _by_newest_sample(
+    bag: RawBag, read: Callable[[Any], tuple[int, float, float] | None], clock: Clock
+) -> FloatArray:
+    """Return rows of (time of the newest sample behind an estimate [s], what was read with it)."""
+    times, ages, values = _rows(bag, BACKLASH_ESTIMATE, read, clock, 3).T
+    return _in_order(np.stack([times + ages, values], axis=1))
 
 
 def _read_request(message: Any) -> tuple[int, float, float, float] | None:
