@@ -1,5 +1,6 @@
 """Somebody's drive is found, and what is wrong with it is told in a line with its place."""
 
+import numpy as np
 import pytest
 from rail_drive import MADE
 
@@ -33,9 +34,20 @@ def test_what_is_no_drive_is_refused_in_a_line(kind, options, message):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("found", [None, 1.0, (1.0,), ("a", 1.0), (1.0, 2.0, None, 3.0)])
+@pytest.mark.parametrize("found", [None, 1.0, (1.0,), ("a", 1.0), (1.0, 2.0, None, "x")])
 def test_a_reading_that_is_none_is_a_fault(found):
     drive = create("rail_drive:RailDrive")
     drive._read = lambda: found
     with pytest.raises(DriveError, match="must be position, voltage and samples if any"):
+        drive.read()
+
+
+@pytest.mark.parametrize(
+    "samples", [np.zeros((4, 3)), np.zeros(8), np.full((4, 2), np.nan), None, "samples", 1.0]
+)
+def test_what_are_no_samples_is_a_fault(samples):
+    drive = GuardedDrive("rail_drive:RailDrive", {}, 0.1, lambda line: None, brings_samples=True)
+    drive.end()
+    drive._read = lambda: (0.0, 0.0, samples)
+    with pytest.raises(DriveError, match=r"must be \(n, 2\), voltages and positions, finite"):
         drive.read()

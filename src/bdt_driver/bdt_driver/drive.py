@@ -16,14 +16,18 @@ class Reading(NamedTuple):
     voltage : float
         Motor voltage as applied since the reading before [V].
     samples : ndarray, shape (n, 2), or None
-        Rows of motor voltage [V], in force from the sample on, and position [m], one for each
-        sampling instant since the reading before, oldest first; the last one is now. None from a
-        drive that samples when it is read.
+        From hardware with a sampling clock of its own: rows of motor voltage [V], in force from
+        the sample on, and position [m], one for each sampling instant since the reading before,
+        oldest first; without rows when there is none yet. None from a drive that samples when it
+        is read.
+    lost : int
+        Number of samples that were lost before these, as their numbers or a counter tell.
     """
 
     position: float
     voltage: float
     samples: NDArray[np.float64] | None = None
+    lost: int = 0
 
 
 class Drive(Protocol):
@@ -36,7 +40,7 @@ class Drive(Protocol):
     def open(self) -> None:
         """Connect; the motor gets no voltage."""
 
-    def read(self) -> Reading | tuple[float, ...]:
+    def read(self) -> Reading | tuple[object, ...]:
         """Return position [m], voltage applied since the last reading [V], and samples if any."""
 
     def write(self, voltage: float) -> None:

@@ -177,7 +177,12 @@ class DriveLoop:
                 if now - self._read_at > self._settings.command_timeout:
                     self._fail(f"no readable position for {now - self._read_at:.3g} s")
                 return None
-            self._newest, self._read_at = reading, now
+            if reading.samples is None or len(reading.samples):
+                self._read_at = now
+            elif now - self._read_at > self._settings.command_timeout:
+                self._fail(f"no sample for {now - self._read_at:.3g} s")
+                return None
+            self._newest = reading
             if self.state is State.ARMED:
                 self._watch(reading, now)
         except DriveError as error:
@@ -198,6 +203,14 @@ class DriveLoop:
             self._drive.write(self._guard.voltage(voltage, period))
         except DriveError as error:
             self._fail(str(error))
+
+    def _fail(self, reason: str) -> None:
+        """Stop because of a fault; a drive that cannot even do that says so, too."""
+        self.state, self.fault = State.FAULTED, reason
+        try:
+            self._stop()
+        except DriveError as error:
+            self.fault = f"{reason}; and it does not stop: {error}"
 
     def _watch(self, reading: Reading, now: float) -> None:
         if not self._limits.allow(reading.position):
@@ -220,11 +233,3 @@ class DriveLoop:
     def _stop(self) -> None:
         self._rest()
         self._drive.stop()
-
-    def _fail(self, reason: str) -> None:
-        """Stop because of a fault; a drive that cannot even do that says so, too."""
-        self.state, self.fault = State.FAULTED, reason
-        try:
-            self._stop()
-        except DriveError as error:
-            self.fault = f"{reason}; and it does not stop: {error}"

@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 from bdt_driver.drive_loop import DriveLoop, NumberedReading, State
 from bdt_driver.guarded_drive import DriveError, GuardedDrive
 from bdt_driver.parameters import PARAMETERS
-from bdt_driver.telemetry_rows import TelemetryRows
+from bdt_driver.telemetry_rows import SampledByHardware, SampledWhenRead, TelemetryRows
 from bdt_msgs_py.admission import Admission
 from bdt_msgs_py.awaited_commands import AwaitedCommands
 from bdt_msgs_py.clock_check import keep_wall_time
@@ -65,18 +65,25 @@ class DriverNode(Node):
             raise self._refusal("must be module:name of your drive's class")
         try:
             self._drive = GuardedDrive(
-                self._settings.driver, options, self._settings.command_timeout, self._tell_late
+                self._settings.driver,
+                options,
+                self._settings.command_timeout,
+                self._tell_late,
+                brings_samples=self._settings.sampling_rate > 0.0,
             )
         except DriveError as error:
             raise self._refusal(str(error)) from error
         self._loop = DriveLoop(self._drive, self._settings, limits)
         self._reported_fault = ""
         self._first_stamp: int | None = None
-        per_period = round(self._settings.samples_per_period)
-        self._rows = TelemetryRows(per_period, 1.0 / (self._settings.control_rate * per_period))
-        self._batch = max(
-            round(self._settings.telemetry_period * self._settings.control_rate * per_period), 1
+        rate = self._settings.telemetry_rate
+        self._rows = TelemetryRows()
+        self._sampling = (
+            SampledByHardware(self._rows, rate)
+            if self._settings.sampling_rate
+            else SampledWhenRead(self._rows)
         )
+        self._batch = max(round(self._settings.telemetry_period * rate), 1)
         self._reported_troubles = 0
         self.create_subscription(JointState, COMMAND.name, self._take_command, qos_profile(COMMAND))
         self.create_service(Trigger, "~/arm", partial(self._serve, self._loop.arm))
@@ -100,25 +107,27 @@ class DriverNode(Node):
 
     def _tick(self) -> None:
         read = self._loop.tick(time.monotonic())
-        self._tell_fault()
         if read is not None:
             self._publish(read)
+        self._tell_fault()
 
     def _publish(self, read: NumberedReading) -> None:
         if self._first_stamp is None:
             self._first_stamp = self.get_clock().now().nanoseconds - read.nanoseconds
-        stamp = self._first_stamp + read.nanoseconds
-        if self._loop.state is State.ARMED:
-            memory = round(self._settings.command_timeout * 1e9)
-            self._commands.published(stamp, stamp - memory, time.monotonic())
-            self._measurement.publish(platform_position(stamp, read.reading.position))
-        try:
-            self._rows.add(read.number, stamp * 1e-9, read.reading)
-        except ValueError as error:
-            self.get_logger().warning(f"read: {error}", throttle_duration_sec=5.0)
+        # Times since the first reading keep the last digits of a double.
+        time_since = self._sampling.add(read.number, read.nanoseconds * 1e-9, read.reading)
+        if time_since is not None and self._loop.state is State.ARMED:
+            self._ask(self._first_stamp + round(time_since * 1e9), read.reading.position)
         if len(self._rows) >= self._batch:
             for batch in self._rows.take():
+                batch[:, 0] += self._first_stamp * 1e-9
                 self._telemetry.publish(sample_message(batch, TELEMETRY_COLUMNS))
+
+    def _ask(self, stamp: int, position: float) -> None:
+        """Publish a measurement, and await its answer until it is too old."""
+        memory = round(self._settings.command_timeout * 1e9)
+        self._commands.published(stamp, stamp - memory, time.monotonic())
+        self._measurement.publish(platform_position(stamp, position))
 
     def _take_command(self, message: JointState) -> None:
         try:
@@ -186,6 +195,7 @@ class DriverNode(Node):
             "fault": loop.fault,
             "voltage_v": loop.voltage,
             "missed_periods": loop.missed,
+            "hardware_clock_drift": self._sampling.drift,
             "unreadable_readings": loop.unreadable,
             "silences_of_commands": loop.silences,
             "limited_commands": loop.limited,

@@ -1,6 +1,5 @@
 """Settings of the driver node: rates, times, and the limits that are its own."""
 
-import math
 from dataclasses import dataclass
 
 from bdt_msgs_py.quantities import quantity, validate
@@ -25,8 +24,8 @@ class DriverSettings:
     sampling_rate: float = quantity(
         0.0,
         "Hz",
-        "rate of the samples that a reading brings along; 0 for a drive that samples when it is "
-        "read",
+        "rate of the samples that a reading brings along, by the clock of the hardware; 0 for a "
+        "drive that samples when it is read",
         minimum=0.0,
         maximum=1e6,
     )
@@ -59,17 +58,11 @@ class DriverSettings:
                 f"DriverSettings.engage_time = {self.engage_time!r} s: must be at least "
                 f"{ENGAGE_PERIODS} control periods ({shortest:g} s)"
             )
-        samples = self.samples_per_period
-        if samples < 1 or not math.isclose(samples, round(samples), rel_tol=1e-9):
-            raise ValueError(
-                f"DriverSettings.sampling_rate = {self.sampling_rate!r} Hz: must be 0 or a "
-                f"multiple of control_rate ({self.control_rate:g} Hz)"
-            )
 
     @property
-    def samples_per_period(self) -> float:
-        """Rows of telemetry that one control period has."""
-        return self.sampling_rate / self.control_rate if self.sampling_rate else 1.0
+    def telemetry_rate(self) -> float:
+        """Rows of telemetry per second [Hz]."""
+        return self.sampling_rate or self.control_rate
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,9 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bdt_driver.drive import Reading
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.user_code import UserCode, binds
@@ -34,6 +37,8 @@ class GuardedDrive:
         Time that a call may last [s].
     on_late : callable
         Gets a line, in the second thread, when a call lasts longer.
+    brings_samples : bool
+        Whether a reading has samples of the hardware.
 
     Raises
     ------
@@ -47,6 +52,8 @@ class GuardedDrive:
         options: Mapping[str, Any],
         call_timeout: float,
         on_late: Callable[[str], None],
+        *,
+        brings_samples: bool = False,
     ) -> None:
         self._code = code = UserCode(kind, DriveError)
         if not binds(code.factory, **options):
@@ -61,6 +68,7 @@ class GuardedDrive:
         self._close = code.method(drive, "close", takes="")
         self._call_timeout = call_timeout
         self._on_late = on_late
+        self._brings_samples = brings_samples
         self._call: tuple[str, float] | None = None
         self._late = ""
         self._ended = threading.Event()
@@ -83,13 +91,29 @@ class GuardedDrive:
         with self._called("read"):
             found = self._read()
         try:
-            reading = Reading(*found)
-            position, voltage = float(reading.position), float(reading.voltage)
+            given = Reading(*found)
+            reading = given._replace(
+                position=float(given.position), voltage=float(given.voltage), lost=int(given.lost)
+            )
         except (TypeError, ValueError):
             self._code.fail(
                 self._read, f"read returned {found!r}: must be position, voltage and samples if any"
             )
-        return Reading(position, voltage, reading.samples)
+        samples = self._samples(given.samples) if self._brings_samples else None
+        return reading._replace(samples=samples)
+
+    def _samples(self, given: Any) -> NDArray[np.float64]:
+        try:
+            samples = np.asarray(given, dtype=float)
+        except (TypeError, ValueError):
+            samples = np.empty(0)
+        if samples.ndim != 2 or samples.shape[1] != 2 or not np.isfinite(samples).all():
+            self._code.fail(
+                self._read,
+                f"read returned samples of shape {np.shape(given)}: must be (n, 2), voltages and "
+                "positions, finite (sampling_rate 0 is for a drive without samples)",
+            )
+        return samples
 
     def write(self, voltage: float) -> None:
         """Apply a voltage [V]."""

@@ -4,33 +4,62 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_driver.drive import Reading
+from bdt_driver.hardware_clock import HardwareClock
 
 
 class TelemetryRows:
-    """Collects rows of time, voltage and position.
+    """Collects rows of time, voltage and position, in batches without holes.
 
-    The voltage that follows a reading is known with the next one only, so that of a drive that
-    samples when it is read the newest row waits for it.
+    Where samples are missing another batch begins.
+    """
+
+    def __init__(self) -> None:
+        self._batches: list[list[NDArray[np.float64]]] = []
+        self._continues = False
+
+    def __len__(self) -> int:
+        return sum(len(rows) for batch in self._batches for rows in batch)
+
+    def append(self, rows: NDArray[np.float64]) -> None:
+        """Take rows, shape (n, 3), that follow those before by one sample time."""
+        if not self._batches or not self._continues:
+            self._batches.append([])
+        self._batches[-1].append(rows)
+        self._continues = True
+
+    def leave_hole(self) -> None:
+        """Note that samples are missing here."""
+        self._continues = False
+
+    def take(self) -> list[NDArray[np.float64]]:
+        """Return the batches, each of shape (n, 3), and begin anew."""
+        batches = [np.concatenate(batch) for batch in self._batches]
+        self._batches.clear()
+        return batches
+
+
+class SampledWhenRead:
+    """Rows of a drive that samples when it is read.
+
+    The voltage that follows a reading is known with the next one: the newest row waits for it.
 
     Parameters
     ----------
-    samples_per_period : int
-        Samples of one control period.
-    sample_time : float
-        Time between two samples [s].
+    rows : TelemetryRows
+        Gets the rows.
+
+    Attributes
+    ----------
+    drift : float
+        Relative difference of the sample time to the stated one: none.
     """
 
-    def __init__(self, samples_per_period: int, sample_time: float) -> None:
-        self._per_period = samples_per_period
-        self._sample_time = sample_time
-        self._runs: list[list[NDArray[np.float64]]] = []
-        self._newest: int | None = None
+    def __init__(self, rows: TelemetryRows) -> None:
+        self._rows = rows
         self._waiting: tuple[int, float, float] | None = None
+        self.drift = 0.0
 
-    def __len__(self) -> int:
-        return sum(len(rows) for run in self._runs for rows in run)
-
-    def add(self, number: int, time: float, reading: Reading) -> None:
+    def add(self, number: int, time: float, reading: Reading) -> float:
         """Take a reading.
 
         Parameters
@@ -42,42 +71,53 @@ class TelemetryRows:
         reading : Reading
             What the drive has measured.
 
-        Raises
-        ------
-        ValueError
-            If it brings another number of samples than its periods have.
+        Returns
+        -------
+        float
+            The time of the position [s].
         """
         waiting, self._waiting = self._waiting, (number, time, reading.position)
-        if reading.samples is None:
-            if waiting is not None and waiting[0] == number - 1:
-                row = np.array([[waiting[1], reading.voltage, waiting[2]]])
-                self._append(row, waiting[0], waiting[0])
-            return
-        samples = np.asarray(reading.samples, dtype=float)
-        expected = self._per_period * (number - waiting[0]) if waiting else len(samples)
-        if samples.ndim != 2 or samples.shape[1] != 2 or len(samples) != expected:
-            raise ValueError(
-                f"samples of shape {samples.shape}: must be ({expected}, 2), "
-                f"{self._per_period} for each control period"
-            )
-        times = time + self._sample_time * np.arange(1 - len(samples), 1)
-        first = waiting[0] + 1 if waiting else number
-        self._append(np.column_stack((times, samples)), first, number)
+        if waiting is not None and waiting[0] == number - 1:
+            self._rows.append(np.array([[waiting[1], reading.voltage, waiting[2]]]))
+        else:
+            self._rows.leave_hole()
+        return time
 
-    def take(self) -> list[NDArray[np.float64]]:
-        """Return the rows as batches and begin the next one.
+
+class SampledByHardware:
+    """Rows of a drive that samples by a clock of its own.
+
+    Parameters
+    ----------
+    rows : TelemetryRows
+        Gets the rows.
+    rate : float
+        Sampling rate as the hardware states it [Hz].
+    """
+
+    def __init__(self, rows: TelemetryRows, rate: float) -> None:
+        self._rows = rows
+        self._clock = HardwareClock(rate)
+
+    @property
+    def drift(self) -> float:
+        """Relative difference of the sample time to the stated one, as found."""
+        return self._clock.drift
+
+    def add(self, _number: int, time: float, reading: Reading) -> float | None:
+        """Take a reading; see :meth:`SampledWhenRead.add`.
 
         Returns
         -------
-        list of ndarray, shape (n, 3)
-            Even times within each: where control periods were missed another one begins.
+        float or None
+            The time of the newest sample [s]; None when there is none yet.
         """
-        runs = [np.concatenate(run) for run in self._runs]
-        self._runs.clear()
-        return runs
-
-    def _append(self, rows: NDArray[np.float64], first: int, last: int) -> None:
-        if not self._runs or self._newest != first - 1:
-            self._runs.append([])
-        self._runs[-1].append(rows)
-        self._newest = last
+        samples = reading.samples
+        if samples is None or not len(samples):
+            return None
+        restarts = self._clock.restarts
+        times = self._clock.times(len(samples), reading.lost, time)
+        if reading.lost or self._clock.restarts != restarts:
+            self._rows.leave_hole()
+        self._rows.append(np.column_stack((times, samples)))
+        return float(times[-1])
