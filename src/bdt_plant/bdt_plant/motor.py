@@ -1,6 +1,7 @@
 """DC motor (eq. 2 of the paper), discretised exactly for a voltage held over the sample."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -89,6 +90,7 @@ def motor_state_space(motor: MotorParameters) -> tuple[NDArray[np.float64], NDAr
     return a, b
 
 
+@lru_cache(maxsize=256)
 def discretize_motor(motor: MotorParameters, sample_time: float) -> DiscreteMotor:
     """Return the zero-order-hold equivalent of eq. 2, by a matrix exponential.
 

@@ -62,6 +62,8 @@ _SETTINGS: dict[Any, Any] = {
     "ytick.labelcolor": INK,
     "text.color": INK,
     "figure.facecolor": PAPER,
+    "figure.autolayout": False,
+    "figure.constrained_layout.use": False,
     "legend.frameon": False,
     "legend.fontsize": 9.0,
     "lines.linewidth": 1.2,
@@ -87,7 +89,9 @@ def new_figure(width: float, height: float) -> Figure:
 def fix_layout(figure: Figure) -> None:
     """Lay out a figure once and for all: every rendering would do it again, for half a second."""
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    with house_style():
+        # Not "none", which leaves an engine that does nothing: for any engine all is drawn twice.
+        figure.set_layout_engine(None)
 
 
 def outside_legend(axes: Axes, columns: int) -> None:
