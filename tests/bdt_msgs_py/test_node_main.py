@@ -138,16 +138,15 @@ def test_a_signal_ends_a_node_without_complaint(number):
 
 INTERRUPTED = """
 import atexit, os, signal, sys
+from functools import partial
 import rclpy
 from rclpy.node import Node
 from rclpy.task import Future
 from bdt_msgs_py.node_main import run_node
 
-places = sys.argv[1:]
-
-def at(place):
+def at(place, places=sys.argv[1:], interrupt=partial(os.kill, os.getpid(), signal.SIGINT)):
     if place in places:
-        os.kill(os.getpid(), signal.SIGINT)
+        interrupt()
 
 class MyNode(Node):
     def __init__(self):
@@ -165,7 +164,12 @@ class MyNode(Node):
         super().destroy_node()
         print("destroyed")
 
+class Module:
+    def __del__(self, at=at):
+        at("last")
+
 atexit.register(at, "exit")
+module = Module()
 code = run_node(MyNode, [])
 print(rclpy.ok())
 sys.exit(code)
@@ -173,7 +177,8 @@ sys.exit(code)
 
 
 @pytest.mark.parametrize(
-    "places", [("creation",), ("work",), ("end",), ("exit",), ("work", "end", "exit")]
+    "places",
+    [("creation",), ("work",), ("end",), ("exit",), ("last",), ("work", "end", "exit", "last")],
 )
 def test_ctrl_c_at_any_time_ends_a_node_without_complaint(places):
     process = subprocess.Popen(

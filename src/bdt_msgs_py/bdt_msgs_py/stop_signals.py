@@ -1,5 +1,6 @@
 """Ctrl-C and SIGTERM as requests to end, which tear nothing that is being done."""
 
+import atexit
 import signal
 from types import FrameType, TracebackType
 from typing import Any, Self
@@ -58,6 +59,8 @@ class InterruptOfWork:
         self._is_over = False
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, self._interrupt)
+            # Before it unloads the modules, Python has the process killed by what it handled.
+            atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
     def work_is_over(self) -> None:
         """Let the process end undisturbed: the work is done."""
