@@ -163,7 +163,7 @@ def evaluate_loop(scenario: Scenario, run: TwinTrajectory) -> tuple[int, float]:
     Judged is the true position, from the first step on that begins after the first dead zone
     has arrived: before a reversal nobody can know the gap. A step that is cut short is left out.
     """
-    summaries = _judged_steps(scenario, run.loop, run.tolerances)
+    summaries = judged_steps(scenario, run.loop, run.tolerances)
     biases = [
         abs(step.bias_percent_of_amplitude)
         for step in summaries
@@ -199,17 +199,15 @@ def avoidable_limit_cycles(
     tolerances = scenario.model.lead_screw.pitch * gaps_at(gap, times)
     loop = simulate(replace(scenario, dead_zone=tolerances), ("u", "q3"))
     pairs = zip(
-        _judged_steps(scenario, run.loop, run.tolerances),
-        _judged_steps(scenario, loop, run.tolerances),
+        judged_steps(scenario, run.loop, run.tolerances),
+        judged_steps(scenario, loop, run.tolerances),
         strict=True,
     )
     avoidable = [bool(step.limit_cycle) for step, ideal in pairs if not ideal.limit_cycle]
     return sum(avoidable), len(avoidable)
 
 
-def _judged_steps(
-    scenario: Scenario, loop: Trajectory, tolerances: FloatArray
-) -> list[StepSummary]:
+def judged_steps(scenario: Scenario, loop: Trajectory, tolerances: FloatArray) -> list[StepSummary]:
     """Return the steps that begin after the first of the dead zones in force."""
     sample_time = 1.0 / scenario.sampling.sampling_rate
     telemetry = np.stack([loop.t, loop.u, loop.q3], axis=1)
