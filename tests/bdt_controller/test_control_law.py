@@ -7,7 +7,7 @@ import control
 import numpy as np
 import pytest
 from dead_zone_pid import dead_zone_pid_step
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from bdt_controller.control_law import (
@@ -143,7 +143,7 @@ LIMIT = 24.0
 gains = st.builds(
     PidGains,
     st.floats(0.0, 1e4),
-    st.floats(0.0, 1e5),
+    st.one_of(st.just(0.0), st.floats(1e-100, 1e5)),
     st.floats(-1e3, 1e3),
     st.floats(1e-3, 1.0),
 )
@@ -163,7 +163,13 @@ def run(law, past, tolerance, offset=0.0, limit=LIMIT):
     return state, voltage
 
 
+def law_of(integral):
+    """Return a controller that integrates and does nothing else."""
+    return discretize_control(PidGains(0.0, integral, 0.0, 1.0), PERIOD, NO_NOTCH)
+
+
 @given(laws, laws, pasts, errors, tolerances, tolerances, offsets, offsets)
+@example(law_of(1.0), law_of(2e-311), [0.0, 1.0], 0.0, 0.0, 0.0, 0.0, 0.0)
 def test_a_switch_of_everything_at_once_does_not_move_the_voltage(
     before, after, past, error, narrow, wide, offset, other
 ):

@@ -207,7 +207,10 @@ def switched(
     _, _, old = unlimited_step(state, error, state.tolerance, before, state.offset)
     pid, notch = state.pid, state.notch
     if after.pid.integral != 0.0:
-        pid = PidState(pid.integral * (before.pid.integral / after.pid.integral), pid.filtered)
+        carried = pid.integral * before.pid.integral / after.pid.integral
+        # Nothing can carry the voltage over to a gain of next to nothing: the blend does.
+        if math.isfinite(carried):
+            pid = PidState(carried, pid.filtered)
     state = state._replace(pid=pid)
     if after.notch.is_on and not before.notch.is_on:
         _, through = pid_step(pid, dead_zone_error(error, state.tolerance), after.pid)
