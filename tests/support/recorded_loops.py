@@ -3,9 +3,11 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
+import yaml
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
@@ -45,6 +47,16 @@ from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSetting
 STORE = get_typestore(Stores.ROS2_JAZZY)
 WALL_START = 1_800_000_000_000_000_000
 """Receive time [ns] at which the built recordings begin."""
+
+
+class LibYaml:
+    """What rosbags needs of ruamel.yaml, which takes longer for metadata than all messages do."""
+
+    def __init__(self, typ: str) -> None:
+        assert typ == "safe"
+
+    def dump(self, data, stream) -> None:
+        yaml.dump(data, stream, Dumper=getattr(yaml, "CSafeDumper", yaml.SafeDumper))
 
 
 def ros(message_type: str, /, **values):
@@ -216,7 +228,7 @@ class Messages:
         """Write a bag: `pace` is its real-time factor, `empty` are topics without messages."""
         writer = Writer(path, version=9, storage_plugin=storage)
         writer.set_compression(compression, CompressionFormat.ZSTD)
-        with writer:
+        with mock.patch("rosbags.rosbag2.writer.YAML", LibYaml), writer:
             connections = {}
             for topic in empty:
                 name = f"/{topic.name}"

@@ -23,7 +23,7 @@ from bdt_bags.writing.bag_files import BagFiles
 from bdt_bags.writing.topic_metadata import topic_metadata
 
 TOPICS = ("/count", "/again")
-PERIOD = 5e-3
+PERIOD = 1e-2
 PROBE_PERIOD = 0.05
 LONGEST = 3.0
 """Nothing is killed later than this after its first message [s]."""

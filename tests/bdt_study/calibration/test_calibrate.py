@@ -47,7 +47,7 @@ def bag_of(path, rows, batch=500):
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory):
-    return bag_of(tmp_path_factory.mktemp("machine") / "bag", telemetry(MACHINE, 62.0))
+    return bag_of(tmp_path_factory.mktemp("machine") / "bag", telemetry(MACHINE, 42.0))
 
 
 @pytest.fixture(scope="module")
@@ -188,10 +188,9 @@ def test_what_cannot_be_used_is_one_line(bag, tmp_path, capsys, rows, options, r
 
 def test_telemetry_that_is_none_of_a_mechanism_is_refused(tmp_path, capsys):
     generator = np.random.default_rng(1)
-    rows = np.zeros((60_000, 3))
-    rows[:, 0] = np.arange(60_000) / 5000.0
-    rows[:, 1] = np.repeat(generator.standard_normal(120), 500)
-    rows[:, 2] = 1e-3 * np.repeat(generator.standard_normal(600), 100)
+    rows = resting_rows(10.0)
+    rows[:, 1] = np.repeat(generator.standard_normal(100), 500)
+    rows[:, 2] = 1e-3 * np.repeat(generator.standard_normal(500), 100)
     assert run_command(["calibrate", str(bag_of(tmp_path / "bag", rows))]) == BAD_INPUT
     said = capsys.readouterr().err
     assert "the model does not explain" in said

@@ -4,6 +4,7 @@ import json
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from bdt_bringup.cli import run_command
@@ -13,10 +14,10 @@ from bdt_study.reproduction.sweep_settings import SweepSettings
 
 PAPER_FIGURES = ("figure_2.png", "figure_3.png", "figure_4.png", "figure_6.png", "figure_7.png")
 FEWER = SweepSettings(
-    choices=tuple(
-        replace(choice, values=(choice.values[0], choice.values[-1])) for choice in open_choices()
-    ),
-    stiffness_factors=(0.8, 1.0, 60.0),
+    dead_zone_ratios=(0.0, 1.0, 4.0),
+    choices=tuple(replace(choice, values=choice.values[-1:]) for choice in open_choices()),
+    gaps=tuple(np.deg2rad([2.5, 30.0]).tolist()),
+    stiffness_factors=(0.8, 60.0),
 )
 """All delays, on which claims rest, and the ends of what is only drawn."""
 

@@ -88,8 +88,10 @@ def new_figure(width: float, height: float) -> Figure:
 
 def fix_layout(figure: Figure) -> None:
     """Lay out a figure once and for all: every rendering would do it again, for half a second."""
-    figure.draw_without_rendering()
     with house_style():
+        layout = figure.get_layout_engine()
+        if layout is not None:
+            layout.execute(figure)
         # Not "none", which leaves an engine that does nothing: for any engine all is drawn twice.
         figure.set_layout_engine(None)
 
