@@ -1,11 +1,13 @@
 """The controller that runs: what it makes of reference, measurement and reconfiguration."""
 
+import math
 from dataclasses import replace
 
 import pytest
+from dead_zone_pid import dead_zone_pid_step
 
 from bdt_controller.controller import ControllerSettings, DeadZoneController
-from bdt_controller.dead_zone import dead_zone_pid_step
+from bdt_controller.notch import NO_NOTCH, NotchFilter
 from bdt_controller.pid import INITIAL_PID, PidGains, discretize_pid
 
 POSITIONS = [0.0, 1e-3, 4.99e-3, 5.0e-3, 5.2e-3, 4.0e-3]
@@ -35,11 +37,17 @@ def test_the_integral_grows_with_time_and_not_with_the_number_of_steps(control_r
     assert voltage == pytest.approx(0.3, rel=1e-12)  # 3 V/(m s) times 0.1 m times 1 s
 
 
-def test_a_new_dead_zone_acts_on_the_next_step():
-    controller = DeadZoneController(PidGains(), ControllerSettings())
-    assert controller.step(5e-3, 4.99e-3) != 0.0
+def settled(controller, reference, position):
+    """Return the voltage once nothing is left of a switch, with the platform held."""
+    return [controller.step(reference, position) for _ in range(1000)][-1]
+
+
+def test_in_a_new_dead_zone_the_voltage_fades_from_the_next_step_on():
+    controller, steady = (DeadZoneController(PidGains(), ControllerSettings()) for _ in range(2))
+    assert controller.step(5e-3, 4.99e-3) == steady.step(5e-3, 4.99e-3)
     controller.configure(PidGains(), WITH_DEAD_ZONE)
-    assert controller.step(5e-3, 4.99e-3) == 0.0
+    assert controller.step(5e-3, 4.99e-3) == steady.step(5e-3, 4.99e-3) != 0.0
+    assert settled(controller, 5e-3, 4.99e-3) == 0.0
     assert controller.step(5e-3, 4.95e-3) != 0.0
 
 
@@ -51,19 +59,49 @@ def test_a_reconfiguration_keeps_the_state():
         assert reconfigured.step(5e-3, position) == steady.step(5e-3, position)
 
 
-def test_new_gains_act_on_the_integral_so_far():
+def test_new_gains_keep_the_voltage_of_the_integral_and_act_on_what_comes():
     controller = DeadZoneController(PidGains(0.0, 3.0, 0.0), ControllerSettings())
     assert controller.step(1.0, 0.0) == pytest.approx(3.0 / 500)
     controller.configure(PidGains(0.0, 6.0, 0.0), ControllerSettings())
-    assert controller.step(1.0, 1.0) == pytest.approx(6.0 / 500)
+    assert settled(controller, 1.0, 1.0) == pytest.approx(3.0 / 500)
+    assert controller.step(1.0, 0.0) == pytest.approx(9.0 / 500)
 
 
-def test_a_new_offset_acts_on_the_next_step_and_is_what_the_motor_rests_with():
+def test_new_gains_do_not_move_the_voltage():
+    controller, steady = (DeadZoneController(PidGains(), ControllerSettings()) for _ in range(2))
+    for position in POSITIONS:
+        assert controller.step(5e-3, position) == steady.step(5e-3, position)
+    controller.configure(PidGains(6000.0, 9000.0, 0.0, 0.01), ControllerSettings())
+    assert controller.step(5e-3, 4.1e-3) == pytest.approx(steady.step(5e-3, 4.1e-3), rel=1e-12)
+    assert controller.step(5e-3, 4.1e-3) != pytest.approx(steady.step(5e-3, 4.1e-3), rel=1e-3)
+
+
+def test_what_is_set_before_the_first_step_acts_at_once():
+    controller = DeadZoneController(PidGains(), ControllerSettings())
+    controller.configure(PidGains(6000.0), WITH_DEAD_ZONE)
+    fresh = DeadZoneController(PidGains(6000.0), WITH_DEAD_ZONE)
+    for position in POSITIONS:
+        assert controller.step(5e-3, position) == fresh.step(5e-3, position)
+
+
+def test_a_filter_in_series_takes_its_frequency_out_of_the_voltage():
+    plain, filtered = (
+        DeadZoneController(PidGains(1.0, 0.0, 0.0), ControllerSettings(), notch)
+        for notch in (NO_NOTCH, NotchFilter(27.0, 0.0, 0.5))
+    )
+    times = [step / 500 for step in range(4000)]
+    wanted = [plain.step(math.sin(27.0 * time), 0.0) for time in times][-500:]
+    passed = [filtered.step(math.sin(27.0 * time), 0.0) for time in times][-500:]
+    assert max(map(abs, passed)) < 0.03 * max(map(abs, wanted))
+
+
+def test_a_new_offset_comes_without_a_bump_and_is_what_the_motor_rests_with():
     controller = DeadZoneController(PidGains(), WITH_DEAD_ZONE)
     assert (controller.step(5e-3, 4.99e-3), controller.resting_voltage) == (0.0, 0.0)
     offset = replace(WITH_DEAD_ZONE, voltage_offset=-0.02)
     controller.configure(PidGains(), offset)
-    assert (controller.step(5e-3, 4.99e-3), controller.resting_voltage) == (-0.02, -0.02)
+    assert controller.step(5e-3, 4.99e-3) == 0.0
+    assert (settled(controller, 5e-3, 4.99e-3), controller.resting_voltage) == (-0.02, -0.02)
 
 
 def test_a_reset_forgets_the_past():

@@ -12,6 +12,7 @@ from sensor_msgs.msg import JointState
 
 from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.controller_node import ControllerNode
+from bdt_controller.notch import NotchFilter
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_msgs_py.node_parameters import ConfigurationError
@@ -312,10 +313,44 @@ def test_a_measurement_that_is_not_finite_is_rejected_and_counted(ros, position)
 
 def test_the_dead_zone_is_set_through_the_standard_parameter_service(ros):
     bench = Bench(ros)
-    assert bench.measure(0, 4.9e-3)[1] != 0.0
+    core = DeadZoneController(PidGains(), ControllerSettings())
+    assert bench.measure(0, 4.9e-3)[1] == core.step(5e-3, 4.9e-3) != 0.0
     assert bench.set("dead_zone_tolerance", 2e-4).successful
-    assert bench.measure(PERIOD, 4.9e-3)[1] == 0.0
-    assert bench.measure(2 * PERIOD, 4.7e-3)[1] != 0.0
+    core.configure(PidGains(), ControllerSettings(dead_zone_tolerance=2e-4))
+    for step in range(1, 20):
+        assert bench.measure(step * PERIOD, 4.9e-3)[1] == core.step(5e-3, 4.9e-3)
+
+
+def test_gains_filter_offset_and_dead_zone_are_set_in_one_call(ros):
+    bench = Bench(ros)
+    core = DeadZoneController(PidGains(), ControllerSettings())
+    assert bench.measure(0, 1e-3)[1] == core.step(5e-3, 1e-3)
+    wanted = {
+        "pid.proportional": 6000.0,
+        "pid.integral": 12000.0,
+        "notch.frequency": 27.0,
+        "notch.pole_damping": 0.5,
+        "dead_zone_tolerance": 2e-4,
+        "voltage_offset": -0.02,
+    }
+    parameters = [Parameter(name, value=value) for name, value in wanted.items()]
+    answer = bench.ros.result(bench.client.set_parameters_atomically(parameters))
+    assert answer.result.successful
+    settings = ControllerSettings(dead_zone_tolerance=2e-4, voltage_offset=-0.02)
+    notch = NotchFilter(27.0, pole_damping=0.5)
+    core.configure(PidGains(6000.0, 12000.0), settings, notch)
+    for step in range(1, 10):
+        position = 1e-3 + 1e-4 * step
+        assert bench.measure(step * PERIOD, position)[1] == core.step(5e-3, position)
+
+
+def test_a_filter_that_is_not_allowed_leaves_all_as_it_was(ros):
+    bench = Bench(ros)
+    wanted = [Parameter("pid.integral", value=0.0), Parameter("notch.frequency", value=-1.0)]
+    answer = bench.ros.result(bench.client.set_parameters_atomically(wanted))
+    assert not answer.result.successful
+    core = DeadZoneController(PidGains(), ControllerSettings())
+    assert bench.measure(0, 1e-3)[1] == core.step(5e-3, 1e-3)
 
 
 def set_both(bench, tolerance, offset):

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from dead_zone_pid import dead_zone_pid_step
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bdt_controller.dead_zone import dead_zone_error, dead_zone_pid_step
+from bdt_controller.dead_zone import dead_zone_error
 from bdt_controller.pid import INITIAL_PID, PidGains, PidState, discretize_pid, pid_step
 
 STEP = discretize_pid(PidGains(), 2e-3)

@@ -9,8 +9,8 @@ import pytest
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from bdt_controller.dead_zone import dead_zone_pid_step
-from bdt_controller.pid import INITIAL_PID, PidGains, discretize_pid
+from bdt_controller.control_law import INITIAL_CONTROL, control_step, discretize_control
+from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
@@ -261,7 +261,7 @@ def run_loop(loop: Loop) -> Messages:
     estimator = InverseFilterEstimator(
         PlantModel(), InverseFilterSettings(sampling_rate=loop.sampling_rate)
     )
-    pid, state = discretize_pid(PidGains(), 1 / loop.control_rate), INITIAL_PID
+    law, state = discretize_control(PidGains(), 1 / loop.control_rate), INITIAL_CONTROL
     reference = ReferenceProfile(first=loop.amplitude, step_time=loop.step_time)
     pitch = LeadScrewParameters().pitch
     messages = Messages(namespace=loop.namespace)
@@ -278,7 +278,7 @@ def run_loop(loop: Loop) -> Messages:
             messages.reference(time, target)
         position = plant.position
         messages.add(MEASUREMENT, time, joint_state(PLATFORM_JOINT, time, position=[position]))
-        state, voltage = dead_zone_pid_step(state, target - position, dead_zone, pid)
+        state, voltage = control_step(state, target - position, dead_zone, law)
         messages.add(COMMAND, time, joint_state(MOTOR_JOINT, time, effort=[voltage]))
         truth.append(plant.truth())
         rows.append(plant.advance(voltage))

@@ -2,8 +2,15 @@
 
 from dataclasses import dataclass
 
-from bdt_controller.pid import INITIAL_PID, PidGains, discretize_pid
-from bdt_controller.voltage_limit import limited_pid_step
+from bdt_controller.control_law import (
+    INITIAL_CONTROL,
+    ControlLaw,
+    control_step,
+    discretize_control,
+    switched,
+)
+from bdt_controller.notch import NO_NOTCH, NotchFilter
+from bdt_controller.pid import PidGains
 from bdt_msgs_py.quantities import quantity, validate
 
 
@@ -56,15 +63,21 @@ class DeadZoneController:
         Gains of eq. 4.
     settings : ControllerSettings
         Rate, dead zone, voltage limit and voltage offset.
+    notch : NotchFilter
+        Filter in series with the PID.
     """
 
-    def __init__(self, gains: PidGains, settings: ControllerSettings) -> None:
-        self.configure(gains, settings)
+    def __init__(
+        self, gains: PidGains, settings: ControllerSettings, notch: NotchFilter = NO_NOTCH
+    ) -> None:
+        self.configure(gains, settings, notch)
         self.reset()
 
-    def configure(self, gains: PidGains, settings: ControllerSettings) -> None:
-        """Take new gains, dead zone and offset from the next step on; the state stays."""
-        self._step = discretize_pid(gains, 1.0 / settings.control_rate)
+    def configure(
+        self, gains: PidGains, settings: ControllerSettings, notch: NotchFilter = NO_NOTCH
+    ) -> None:
+        """Take new gains, dead zone, offset and filter from the next step on, without a bump."""
+        self._law = discretize_control(gains, 1.0 / settings.control_rate, notch)
         self._tolerance = settings.dead_zone_tolerance
         self._limit = settings.voltage_limit
         self._offset = settings.voltage_offset
@@ -76,7 +89,8 @@ class DeadZoneController:
 
     def reset(self) -> None:
         """Forget the past errors."""
-        self._state = INITIAL_PID
+        self._state = INITIAL_CONTROL
+        self._law_before: ControlLaw = self._law
 
     def step(self, reference: float, position: float) -> float:
         """Return the motor voltage [V] to command for one measurement (eqs 4 to 8).
@@ -86,12 +100,11 @@ class DeadZoneController:
         reference, position : float
             Reference r and measured position q3 of platform 3 [m].
         """
-        self._state, voltage = limited_pid_step(
-            self._state,
-            reference - position,
-            self._tolerance,
-            self._step,
-            self._limit,
-            self._offset,
+        error, law = reference - position, self._law
+        if law != self._law_before:
+            self._state = switched(self._state, error, self._law_before, law)
+            self._law_before = law
+        self._state, voltage = control_step(
+            self._state, error, self._tolerance, law, self._limit, self._offset
         )
         return voltage

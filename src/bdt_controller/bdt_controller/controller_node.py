@@ -56,10 +56,10 @@ class ControllerNode(Node):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(CONTROLLER_NODE, **node_arguments)
-        self._settings, self._gains, self._reference, self._plausible = declare_all(
+        self._settings, self._gains, self._notch, self._reference, self._plausible = declare_all(
             self, PARAMETERS
         )
-        self._controller = DeadZoneController(self._gains, self._settings)
+        self._controller = DeadZoneController(self._gains, self._settings, self._notch)
         self._period = round(1e9 / self._settings.control_rate)
         self._missed = self._restarts = self._reported_troubles = 0
         self._dead_zone_set_by = "start-up"
@@ -187,6 +187,7 @@ class ControllerNode(Node):
     def _check_parameters(self, changes: list[Parameter]) -> SetParametersResult:
         try:
             reconfigured(self._gains, "pid", changes)
+            reconfigured(self._notch, "notch", changes)
             reconfigured(self._settings, "", changes)
         except ValueError as error:
             return rejected(str(error))
@@ -194,10 +195,11 @@ class ControllerNode(Node):
 
     def _use_parameters(self, changes: list[Parameter]) -> None:
         self._gains = reconfigured(self._gains, "pid", changes)
+        self._notch = reconfigured(self._notch, "notch", changes)
         self._settings = reconfigured(self._settings, "", changes)
         if any(change.name == DEAD_ZONE_PARAMETER for change in changes):
             self._dead_zone_set_by = "parameter service"
-        self._controller.configure(self._gains, self._settings)
+        self._controller.configure(self._gains, self._settings, self._notch)
 
     # Diagnostics ---------------------------------------------------------------------------
 

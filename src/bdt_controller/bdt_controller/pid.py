@@ -90,8 +90,13 @@ def discretize_pid(gains: PidGains, period: float) -> DiscretePid:
         gains.integral,
         gains.derivative / gains.filter_time,
         period,
-        float(_DECIMAL.exp(Decimal(-period / gains.filter_time))),
+        decay(period, gains.filter_time),
     )
+
+
+def decay(period: float, time_constant: float) -> float:
+    """Return exp(-period / time_constant), the same on every computer; both in seconds."""
+    return float(_DECIMAL.exp(Decimal(-period / time_constant)))
 
 
 def pid_step(state: PidState, error: float, step: DiscretePid) -> tuple[PidState, float]:

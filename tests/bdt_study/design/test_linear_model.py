@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bdt_controller.pid import INITIAL_PID, PidGains, discretize_pid, pid_step
+from bdt_controller.control_law import INITIAL_CONTROL, control_step, discretize_control
+from bdt_controller.notch import NO_NOTCH, NotchFilter
+from bdt_controller.pid import PidGains
 from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import AT_REST, PlantModel, discretize_plant, plant_step
@@ -19,6 +21,7 @@ from bdt_study.design.linear_model import (
     is_stable,
     loop_transfer,
     motor_model,
+    notch_model,
     pid_model,
     plant_model,
     sampled_loop_transfer,
@@ -85,6 +88,27 @@ def test_the_loop_is_the_product_of_eqs_1_to_4():
     )
 
 
+def test_a_filter_in_series_is_a_factor_of_the_loop():
+    notch = NotchFilter(27.0, 0.05, 0.6)
+    factor = (S**2 + 2 * 0.05 * 27.0 * S + 27.0**2) / (S**2 + 2 * 0.6 * 27.0 * S + 27.0**2)
+    expected = factor * frequency_response(loop_transfer(MODEL, GAINS), FREQUENCY)
+    with_filter = frequency_response(loop_transfer(MODEL, GAINS, notch), FREQUENCY)
+    np.testing.assert_allclose(with_filter, expected, rtol=1e-7)
+    alone = frequency_response(notch_model(notch), FREQUENCY)
+    np.testing.assert_allclose(alone, factor, rtol=1e-9)
+    np.testing.assert_array_equal(frequency_response(notch_model(NO_NOTCH), FREQUENCY), 1.0)
+
+
+def test_the_sampled_filter_is_close_to_the_continuous_one():
+    notch, frequency = NotchFilter(27.0, 0.05, 0.6), np.linspace(2.0, 60.0, 200)
+    plain, filtered = (
+        frequency_response(sampled_loop_transfer(MODEL, GAINS, 500.0, one), frequency)
+        for one in (NO_NOTCH, notch)
+    )
+    expected = frequency_response(notch_model(notch), frequency)
+    np.testing.assert_allclose(filtered / plain, expected, rtol=0, atol=0.05)
+
+
 def test_the_integral_action_takes_all_error_of_a_step_and_of_a_ramp():
     """The motor integrates and so does the controller: S falls with the square of frequency."""
     loop = loop_transfer(MODEL, GAINS)
@@ -106,15 +130,16 @@ def test_the_plant_without_backlash_is_what_the_plant_core_simulates():
     np.testing.assert_allclose(positions, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
 
 
-def test_the_sampled_loop_is_what_the_cores_do_in_closed_loop():
-    plant, pid = discretize_plant(MODEL, 2e-4), discretize_pid(GAINS, 2e-3)
-    state, controller, positions = AT_REST, INITIAL_PID, []
+@pytest.mark.parametrize("notch", [NO_NOTCH, NotchFilter(27.0, 0.05, 0.6)])
+def test_the_sampled_loop_is_what_the_cores_do_in_closed_loop(notch):
+    plant, law = discretize_plant(MODEL, 2e-4), discretize_control(GAINS, 2e-3, notch)
+    state, controller, positions = AT_REST, INITIAL_CONTROL, []
     for _ in range(1000):
         positions.append(state.structure.q3)
-        controller, voltage = pid_step(controller, 1e-3 - state.structure.q3, pid)
+        controller, voltage = control_step(controller, 1e-3 - state.structure.q3, 0.0, law)
         for _ in range(10):
             state = plant_step(state, voltage, 0.0, plant)
-    system = closed_loop(sampled_loop_transfer(MODEL, GAINS, 500.0))
+    system = closed_loop(sampled_loop_transfer(MODEL, GAINS, 500.0, notch))
     times = np.arange(1000) * 2e-3
     expected = control.forced_response(system, times, np.full(1000, 1e-3)).outputs
     np.testing.assert_allclose(positions, expected, rtol=0, atol=1e-6 * 1e-3)

@@ -10,7 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bdt_controller.control_law import BLEND_TIME
 from bdt_controller.controller import ControllerSettings, DeadZoneController
+from bdt_controller.notch import NotchFilter
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.actuator import ActuatorParameters
@@ -84,11 +86,12 @@ def python_loop(scenario, dead_zones):
         scenario.model, scenario.gap, scenario.sampling, scenario.sensor, scenario.actuator
     )
     rate, limit = scenario.sampling.control_rate, scenario.voltage_limit
-    controller = DeadZoneController(scenario.gains, ControllerSettings(control_rate=rate))
+    settings = ControllerSettings(control_rate=rate)
+    controller = DeadZoneController(scenario.gains, settings, scenario.notch)
     rows = []
     for tolerance in dead_zones:
         settings = ControllerSettings(rate, float(tolerance), limit, scenario.voltage_offset)
-        controller.configure(scenario.gains, settings)
+        controller.configure(scenario.gains, settings, scenario.notch)
         r = reference_at(scenario.reference, plant.time)
         t, theta_m, theta_d, _, *q = plant.truth()
         motor = plant.state.motor
@@ -123,6 +126,21 @@ def test_every_signal_is_that_of_the_python_loop_bit_for_bit(gap, dead_zone):
     assert_same_bits(trajectory.d, trajectory.q1)
 
 
+def test_a_filter_in_series_is_that_of_the_python_loop_bit_for_bit():
+    scenario = Scenario(
+        3.0,
+        REFERENCE,
+        GROWING,
+        notch=NotchFilter(27.0, 0.1, 0.6),
+        sampling=Sampling(5000.0, 5000.0),
+    )
+    dead_zones = np.where(np.arange(scenario.control_steps) < 9000, 0.0, 2.8e-5)
+    trajectory = simulate(dataclasses.replace(scenario, dead_zone=dead_zones))
+    expected = python_loop(scenario, dead_zones)
+    for name, column in zip(COLUMNS, expected.T, strict=True):
+        assert_same_bits(getattr(trajectory, name), column)
+
+
 @pytest.mark.parametrize("control_rate", [5000.0, 500.0])
 def test_an_imperfect_loop_is_that_of_the_python_loop_bit_for_bit(control_rate):
     scenario = dataclasses.replace(LABORATORY, sampling=Sampling(control_rate=control_rate))
@@ -153,11 +171,14 @@ def test_a_mechanism_that_is_not_linear_stops_and_goes_on_as_one():
     assert_stops_change_nothing(MACHINE, [7, 300])
 
 
-def test_the_voltage_offset_may_change_at_any_measurement():
-    offsets = np.where(np.arange(500) < 250, 0.0, -0.02)
-    scenario = Scenario(1.0, 0.0, 0.1, 1e-3)
+def test_the_voltage_offset_may_change_at_any_measurement_and_does_so_without_a_bump():
+    offsets = np.where(np.arange(1000) < 250, 0.0, -0.02)
+    scenario = Scenario(2.0, 0.0, 0.1, 1e-3)
     trajectory = simulate(dataclasses.replace(scenario, voltage_offset=offsets), ("u",))
-    assert_same_bits(trajectory.u, np.repeat(offsets, 10))
+    since = np.maximum(np.arange(1000) - 250, 0) / 500.0
+    expected = offsets * (1.0 - np.exp(-since / BLEND_TIME))
+    assert trajectory.u == pytest.approx(np.repeat(expected, 10), abs=2e-9)
+    assert trajectory.u[-1] == -0.02
     assert_same_bits(
         simulate(dataclasses.replace(scenario, voltage_offset=0)).q3, simulate(scenario).q3
     )

@@ -75,7 +75,7 @@ def c_loop_call(
     if not isinstance(step.plant, DiscretePlant):
         raise TypeError("the C loop is that of the paper's mechanism")
     motor, structure, contact, pitch, _friction = step.plant  # the C loop has no friction
-    coefficients = np.array(_flat((motor, structure, contact, pitch, step.pid)))
+    coefficients = np.array(_flat((motor, structure, contact, pitch, step.control.pid)))
     arrays = (*inputs[:2], inputs.gaps[1:], *signals)
     steps = inputs.references.size
     numbers = (state.plant.contact, steps, signals[0].size // steps)

@@ -1,15 +1,18 @@
 """Linear models of eqs 2, 3 and 4 for python-control, and the loop they make without backlash.
 
 Everything is built from the state spaces of the cores in ``bdt_plant`` and from the step function
-of the PID in ``bdt_controller``: these are the one implementation of each equation. All models are
-:class:`control.StateSpace`; ``control.tf`` of one gives the fraction that the paper prints.
+of the control law in ``bdt_controller``: these are the one implementation of each equation. All
+models are :class:`control.StateSpace`; ``control.tf`` of one gives the fraction that the paper
+prints.
 """
 
 import numpy as np
 from control import StateSpace, feedback, sample_system
 from numpy.typing import NDArray
 
-from bdt_controller.pid import PidGains, PidState, discretize_pid, pid_step
+from bdt_controller.control_law import INITIAL_CONTROL, discretize_control, unlimited_step
+from bdt_controller.notch import NO_NOTCH, NotchFilter, NotchState
+from bdt_controller.pid import PidGains, PidState
 from bdt_plant.motor import MotorParameters, motor_state_space
 from bdt_plant.plant import PlantModel
 from bdt_plant.structure import StructureParameters, structure_state_space
@@ -82,6 +85,28 @@ def pid_model(gains: PidGains) -> StateSpace:
     )
 
 
+def notch_model(notch: NotchFilter) -> StateSpace:
+    """Return the filter in series with eq. 4, from the PID's voltage [V] to u [V].
+
+    Parameters
+    ----------
+    notch : NotchFilter
+        The filter.
+
+    Returns
+    -------
+    control.StateSpace
+        States as in :class:`bdt_controller.notch.NotchState`; none without a filter.
+    """
+    w = notch.frequency
+    if w == 0.0:
+        return StateSpace([], [], [], [[1.0]])
+    depth = 2.0 * (notch.pole_damping - notch.zero_damping) / w
+    a = np.array([[0.0, 1.0], [-w * w, -2.0 * notch.pole_damping * w]])
+    b = np.array([[0.0], [w * w]])
+    return StateSpace(a, b, [[0.0, -depth]], 1.0, inputs=["v"], outputs=["u"])
+
+
 def plant_model(model: PlantModel) -> StateSpace:
     """Return eqs 1, 2 and 3 in a row with theta_d = theta_m, from u [V] to q3 [m].
 
@@ -93,8 +118,8 @@ def plant_model(model: PlantModel) -> StateSpace:
     return structure_model(model.structure) * (model.lead_screw.pitch * motor_model(model.motor))
 
 
-def loop_transfer(model: PlantModel, gains: PidGains) -> StateSpace:
-    """Return the loop transfer function L = C_PID p G1 G2, from e [m] to q3 [m] (eqs 1 to 5).
+def loop_transfer(model: PlantModel, gains: PidGains, notch: NotchFilter = NO_NOTCH) -> StateSpace:
+    """Return the loop transfer function L = N C_PID p G1 G2, from e [m] to q3 [m] (eqs 1 to 5).
 
     It is also the loop around the backlash: cut open between theta_m and theta_d, the linear part
     from theta_d to theta_m is -L.
@@ -105,12 +130,18 @@ def loop_transfer(model: PlantModel, gains: PidGains) -> StateSpace:
         Constants of the mechanism.
     gains : PidGains
         Gains of eq. 4.
+    notch : NotchFilter
+        Filter in series; none by default.
     """
-    return plant_model(model) * pid_model(gains)
+    if notch.frequency == 0.0:
+        return plant_model(model) * pid_model(gains)
+    return plant_model(model) * notch_model(notch) * pid_model(gains)
 
 
-def sampled_loop_transfer(model: PlantModel, gains: PidGains, control_rate: float) -> StateSpace:
-    """Return the loop as the controller node closes it: PID of the core, voltage held.
+def sampled_loop_transfer(
+    model: PlantModel, gains: PidGains, control_rate: float, notch: NotchFilter = NO_NOTCH
+) -> StateSpace:
+    """Return the loop as the controller node closes it: control law of the core, voltage held.
 
     Parameters
     ----------
@@ -120,6 +151,8 @@ def sampled_loop_transfer(model: PlantModel, gains: PidGains, control_rate: floa
         Gains of eq. 4.
     control_rate : float
         Rate of measurements [Hz].
+    notch : NotchFilter
+        Filter in series; none by default.
 
     Returns
     -------
@@ -127,7 +160,7 @@ def sampled_loop_transfer(model: PlantModel, gains: PidGains, control_rate: floa
         In discrete time; exact at the instants of measurement.
     """
     period = 1.0 / control_rate
-    return sample_system(plant_model(model), period, "zoh") * _sampled_pid(gains, period)
+    return sample_system(plant_model(model), period, "zoh") * _sampled_control(gains, notch, period)
 
 
 def closed_loop(loop: StateSpace) -> StateSpace:
@@ -173,13 +206,18 @@ def frequency_response(system: StateSpace, frequency: FloatArray) -> ComplexArra
     return np.asarray(values, dtype=np.complex128)
 
 
-def _sampled_pid(gains: PidGains, period: float) -> StateSpace:
-    """Return the core's PID as a discrete system: the columns are its answers to unit vectors."""
-    step = discretize_pid(gains, period)
-    columns = [
-        pid_step(PidState(integral, filtered), error, step)
-        for integral, filtered, error in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    ]
-    state = np.array([following for following, _ in columns]).T
-    voltage = np.array([[value for _, value in columns]])
-    return StateSpace(state[:, :2], state[:, 2:], voltage[:, :2], voltage[:, 2:], period)
+def _sampled_control(gains: PidGains, notch: NotchFilter, period: float) -> StateSpace:
+    """Return the core's law as a discrete system: the columns are its answers to unit vectors."""
+    law = discretize_control(gains, period, notch)
+    states = 4 if law.notch.is_on else 2
+    columns = []
+    for unit in np.eye(5)[[*range(states), 4]].tolist():
+        integral, filtered, low_pass, rate, error = unit
+        state = INITIAL_CONTROL._replace(
+            pid=PidState(integral, filtered), notch=NotchState(low_pass, rate)
+        )
+        pid, filter_state, voltage = unlimited_step(state, error, 0.0, law, 0.0)
+        columns.append([*[*pid, *filter_state][:states], voltage])
+    answers = np.array(columns).T
+    a, b = answers[:states, :states], answers[:states, states:]
+    return StateSpace(a, b, answers[states:, :states], answers[states:, states:], period)

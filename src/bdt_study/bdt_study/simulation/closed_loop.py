@@ -9,6 +9,7 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_controller.notch import NO_NOTCH, NotchFilter
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, amplifier_of
@@ -61,6 +62,8 @@ class Scenario:
         Largest voltage that the controller commands [V]; 0 for no limit.
     voltage_offset : float, ndarray of shape (control steps,) or callable
         Voltage [V] that the controller adds to its command at each measurement.
+    notch : NotchFilter
+        Filter in series with the PID.
 
     Notes
     -----
@@ -78,6 +81,7 @@ class Scenario:
     actuator: ActuatorParameters = IDEAL_ACTUATOR
     voltage_limit: float = 0.0
     voltage_offset: Signal = 0.0
+    notch: NotchFilter = NO_NOTCH
 
     def __post_init__(self) -> None:
         if self.control_steps < 1:
@@ -205,7 +209,9 @@ def sample_inputs(scenario: Scenario) -> LoopInputs:
 
 def discrete_loop(scenario: Scenario) -> DiscreteLoop:
     """Return the discrete models of a scenario."""
-    return discretize_loop(scenario.model, scenario.gains, scenario.sampling)._replace(
+    return discretize_loop(
+        scenario.model, scenario.gains, scenario.sampling, scenario.notch
+    )._replace(
         command_limit=float(scenario.voltage_limit),
         amplifier=amplifier_of(scenario.actuator),
         sensor=discretize_sensor(scenario.sensor, scenario.sampling.sampling_rate),

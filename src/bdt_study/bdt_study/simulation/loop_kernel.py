@@ -15,8 +15,8 @@ from numba import config, typeof, types
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
+from bdt_controller.control_law import control_step
 from bdt_controller.pid import PidGains
-from bdt_controller.voltage_limit import limited_pid_step
 from bdt_plant.actuator import amplified, saturated
 from bdt_plant.compilation import compile_with_steps
 from bdt_plant.machine import (
@@ -94,7 +94,7 @@ def run_kernel(
     return result
 
 
-SHARED = (limited_pid_step, saturated, amplified, delayed, seen_position, sensor_reading)
+SHARED = (control_step, saturated, amplified, delayed, seen_position, sensor_reading)
 COMPILED = (plant_step, first_platform, *SHARED)
 """Step functions of the cores that the kernel calls."""
 
@@ -166,7 +166,7 @@ def _loop_around(
         measured: FloatArray,
     ) -> LoopState:
         _ = sources
-        plant, pid, sensor = state
+        plant, control, sensor = state
         begin, reading = sensor.sample, sensor.reading
         line, recent = sensor.line.copy(), sensor.recent.copy()
         hold = (gaps.size - 1) // references.size
@@ -185,8 +185,8 @@ def _loop_around(
                 if sample == k * hold:
                     error = references[k] - reading
                     offset = offsets[k] if offsets.size > 0 else 0.0
-                    pid, voltage = limited_pid_step(
-                        pid, error, tolerances[k], step.pid, step.command_limit, offset
+                    control, voltage = control_step(
+                        control, error, tolerances[k], step.control, step.command_limit, offset
                     )
                     voltage = saturated(voltage, step.amplifier.limit)
                     applied = amplified(voltage, step.amplifier)
@@ -201,7 +201,7 @@ def _loop_around(
                 q3[sample] = plant.structure.q3
                 measured[sample] = reading
                 plant = plant_step(plant, applied, gaps[sample + 1], step.plant)
-        return LoopState(plant, pid, SensorState(begin + u.size, reading, line, recent))
+        return LoopState(plant, control, SensorState(begin + u.size, reading, line, recent))
 
     return closed_loop
 

@@ -6,7 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_controller.pid import INITIAL_PID, DiscretePid, PidGains, PidState, discretize_pid
+from bdt_controller.control_law import (
+    INITIAL_CONTROL,
+    ControlLaw,
+    ControlState,
+    discretize_control,
+)
+from bdt_controller.notch import NO_NOTCH, NotchFilter
+from bdt_controller.pid import PidGains
 from bdt_plant.actuator import IDEAL_ACTUATOR, Amplifier, amplifier_of
 from bdt_plant.lead_screw import contact_side
 from bdt_plant.machine import DiscreteMachine, MachineState, discretize_machine
@@ -53,7 +60,7 @@ class LoopState(NamedTuple):
     """State of plant, controller and sensor between two control periods."""
 
     plant: PlantState | MachineState
-    pid: PidState
+    control: ControlState
     sensor: SensorState
 
 
@@ -64,7 +71,7 @@ class DiscreteLoop(NamedTuple):
     ----------
     plant : DiscretePlant or DiscreteMachine
         Plant; the other one when it is not linear.
-    pid : DiscretePid
+    control : ControlLaw
         Controller.
     command_limit : float
         Voltage limit of the controller [V]; 0 for none.
@@ -75,7 +82,7 @@ class DiscreteLoop(NamedTuple):
     """
 
     plant: DiscretePlant | DiscreteMachine
-    pid: DiscretePid
+    control: ControlLaw
     command_limit: float = 0.0
     amplifier: Amplifier = amplifier_of(IDEAL_ACTUATOR)
     sensor: DiscreteSensor = IDEAL_DISCRETE
@@ -122,16 +129,21 @@ class LoopInputs(NamedTuple):
         )
 
 
+def discretize_loop(
+    model: PlantModel, gains: PidGains, sampling: Sampling, notch: NotchFilter = NO_NOTCH
+) -> DiscreteLoop:
+    """Return the discrete models of plant and controller."""
+    control = discretize_control(gains, 1.0 / sampling.control_rate, notch)
+    return DiscreteLoop(_discrete_plant(model, sampling), control)
+
+
 # The matrix exponentials take as long as ten seconds of the loop, and sweeps share them.
 @lru_cache(maxsize=64)
-def discretize_loop(model: PlantModel, gains: PidGains, sampling: Sampling) -> DiscreteLoop:
-    """Return the discrete models of plant and controller."""
-    # A gain written as 3000 is an int, for which nothing is compiled.
-    pid = DiscretePid(*map(float, discretize_pid(gains, 1.0 / sampling.control_rate)))
+def _discrete_plant(model: PlantModel, sampling: Sampling) -> DiscretePlant | DiscreteMachine:
     if not model.is_piecewise_linear:
-        return DiscreteLoop(discretize_machine(model, sampling), pid)
+        return discretize_machine(model, sampling)
     plant = discretize_plant(model, 1.0 / sampling.sampling_rate)
-    return DiscreteLoop(plant._replace(pitch=float(plant.pitch)), pid)
+    return plant._replace(pitch=float(plant.pitch))
 
 
 def loop_at_rest(
@@ -152,5 +164,5 @@ def loop_at_rest(
     """
     plant = plant._replace(contact=contact_side(0.0, 0.0, gap))
     return LoopState(
-        plant, INITIAL_PID, SensorState(0, 0.0, delay_line(sensor.delay), recent_positions())
+        plant, INITIAL_CONTROL, SensorState(0, 0.0, delay_line(sensor.delay), recent_positions())
     )
