@@ -48,6 +48,7 @@ setup(
             "design = bdt_study.commands.design:COMMAND",
             "evaluate = bdt_study.commands.evaluate:COMMAND",
             "reproduce = bdt_study.commands.reproduce:COMMAND",
+            "tune = bdt_study.commands.tune:COMMAND",
         ],
     },
 )

@@ -21,6 +21,13 @@ class DeadZoneSettings:
         minimum=0.0,
         maximum=10.0,
     )
+    ratio: float = quantity(
+        1.0,
+        "",
+        "factor on the gap of eq. 9; gains that are designed for the mechanism need less than 1",
+        minimum=0.0,
+        maximum=10.0,
+    )
     margin: float = quantity(
         0.0,
         "rad",
@@ -135,7 +142,7 @@ class DeadZoneRule:
         largest = estimate.gap + settings.largest_growth
         self.is_bounded = bound > largest
         bound = min(bound, largest)
-        wanted = tolerance_for_gap(bound + settings.margin, self._pitch)
+        wanted = tolerance_for_gap(settings.ratio * bound + settings.margin, self._pitch)
         wanted = min(max(wanted, settings.minimum), settings.maximum)
         if self._last is not None:
             before, last = self._last

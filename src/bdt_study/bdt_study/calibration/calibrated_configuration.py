@@ -95,7 +95,7 @@ def configuration_text(
     """
     held = ", ".join(name for name, each in constants.items() if not each.determined)
     document = {
-        f"/**/{node}": {PARAMETERS_KEY: _nested(values)} for node, values in configuration.items()
+        f"/**/{node}": {PARAMETERS_KEY: nested(values)} for node, values in configuration.items()
     }
     body = yaml.safe_dump(document, sort_keys=False, default_flow_style=None)
     return HEADER.format(source=" ".join(source.split()), held=held or "none") + body
@@ -105,7 +105,7 @@ def _rounded(value: Any) -> Any:
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 
-def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
+def nested(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return values with dots in their names as mappings within mappings."""
     tree: dict[str, Any] = {}
     for name, value in values.items():

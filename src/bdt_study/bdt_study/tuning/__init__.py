@@ -1,0 +1,1 @@
+"""Gains and dead-zone rule for a mechanism that is known within ranges: ``bdt tune``."""
