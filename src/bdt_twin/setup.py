@@ -24,6 +24,7 @@ setup(
         (f"share/{name}", ["package.xml"]),
     ],
     install_requires=[
+        "bdt_controller",
         "bdt_msgs_py",
         "bdt_plant",
         "numba>=0.58",

@@ -170,3 +170,23 @@ def test_a_controller_in_another_namespace_is_another_one(ros, name):
     controller = ros.create(lambda **options: Node("controller", namespace="/left", **options))
     ros.spin_until(requests.controller_appeared)
     assert controller.get_fully_qualified_name() == "/left/controller"
+
+
+GAINS = (("pid.proportional", 6000.0), ("notch.frequency", 27.0))
+
+
+def test_gains_are_set_with_the_dead_zone_in_one_call(ros):
+    asker = Asker(ros)
+    controller = asker.start_controller(*dict(GAINS), "voltage_offset")
+    asker.ask(WITH_OFFSET._replace(gains=GAINS))
+    assert (asker.requests.accepted, in_force(controller)) == (1, WIDE.tolerance)
+    assert {name: controller.get_parameter(name).value for name, _ in GAINS} == dict(GAINS)
+    assert controller.get_parameter("voltage_offset").value == -0.02
+
+
+def test_a_controller_without_these_gains_gets_the_dead_zone_alone(ros):
+    asker = Asker(ros)
+    controller = asker.start_controller()
+    asker.ask(WIDE._replace(gains=GAINS))
+    assert (asker.requests.accepted, in_force(controller)) == (1, WIDE.tolerance)
+    assert asker.requests.refused_offsets == 1

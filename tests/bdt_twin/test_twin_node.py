@@ -12,6 +12,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import Float64MultiArray
 
+from bdt_controller.notch import NotchFilter
+from bdt_controller.pid import PidGains
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_stamp, read_position, read_voltage
@@ -31,6 +33,8 @@ from bdt_msgs_py.writing import sample_message, stamp_from_nanoseconds
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_simulator import PlantSimulator
+from bdt_twin.decider import create_decider
+from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.twin_node import TwinNode
 
@@ -684,3 +688,23 @@ def test_a_start_with_bad_parameters_names_parameter_value_and_what_is_allowed(
     assert says in str(caught.value)
     assert "\n" not in str(caught.value)
     ros.spin_until(lambda: watcher.get_node_names() == ["watcher"])
+
+
+def test_a_twin_that_simulates_commands_what_its_core_decides_and_tells_why(ros, telemetry):
+    bench = Bench(ros, communication_delay=0.5, decision__kind="simulate", decision__members=2)
+    bench.run(telemetry)
+    settings = DecisionSettings(kind="simulate", members=2)
+    gains = (PidGains(), NotchFilter()) * 2
+    estimator = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
+    decide = create_decider(settings, PlantModel(), gains, estimator, 0.5, 0.0)
+    batches = [telemetry[start : start + BATCH] for start in range(0, len(telemetry), BATCH)]
+    decisions = [
+        decide(rows, estimator.update(rows), begins=number == 0)
+        for number, rows in enumerate(batches)
+    ]
+    expected = [one.tolerance for one in decisions if one is not None and one.tolerance]
+    ros.spin_until(lambda: bench.requests)
+    assert bench.requests[0][1] in expected
+    assert bench.health["decision"] == "simulate"
+    assert bench.health["decision_reason"] == decisions[-1].reason
+    assert bench.health["expected_bias_percent"] == 100.0 * decisions[-1].bias

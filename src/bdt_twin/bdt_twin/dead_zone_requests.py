@@ -29,8 +29,9 @@ LOOK_PERIOD = 0.05
 class DeadZoneRequests:
     """Sets the controller's dead zone, one request at a time; nothing here waits.
 
-    A voltage offset is set together with the dead zone or not at all. A controller that refuses
-    both may be somebody else's, without this parameter: it is asked for the dead zone alone.
+    A voltage offset and gains are set together with the dead zone or not at all. A controller that
+    refuses them may be somebody else's, without these parameters: it is asked for the dead zone
+    alone.
 
     Parameters
     ----------
@@ -51,7 +52,7 @@ class DeadZoneRequests:
     accepted, failed : int
         Number of requests.
     refused_offsets : int
-        Number of times that the controller refused a voltage offset.
+        Number of times that the controller refused a voltage offset or gains.
     """
 
     def __init__(
@@ -103,6 +104,10 @@ class DeadZoneRequests:
         if self.in_flight is not None and self._answer is None:
             self.in_flight = self.in_flight._replace(voltage_offset=None)
 
+    def _forget_extras(self) -> None:
+        if self.in_flight is not None:
+            self.in_flight = self.in_flight._replace(voltage_offset=None, gains=())
+
     def _found_publishers(self) -> set[tuple[int, ...]]:
         return {
             tuple(one.endpoint_gid)
@@ -119,14 +124,16 @@ class DeadZoneRequests:
         if not self._is_there:
             return
         self._asked = self._found_publishers()
-        dead_zone = Parameter(DEAD_ZONE_PARAMETER, Parameter.Type.DOUBLE, wanted.tolerance)
-        if wanted.voltage_offset is None:
-            self._answer = self._client.set_parameters([dead_zone])
+        values = {DEAD_ZONE_PARAMETER: wanted.tolerance, **dict(wanted.gains)}
+        if wanted.voltage_offset is not None:
+            values[VOLTAGE_OFFSET_PARAMETER] = wanted.voltage_offset
+        parameters = [
+            Parameter(name, Parameter.Type.DOUBLE, value) for name, value in values.items()
+        ]
+        if len(parameters) == 1:
+            self._answer = self._client.set_parameters(parameters)
         else:
-            offset = Parameter(
-                VOLTAGE_OFFSET_PARAMETER, Parameter.Type.DOUBLE, wanted.voltage_offset
-            )
-            self._answer = self._client.set_parameters_atomically([dead_zone, offset])
+            self._answer = self._client.set_parameters_atomically(parameters)
         self._answer.add_done_callback(self._take_answer)
 
     def _take_answer(self, answer: "Future[Response]") -> None:
@@ -135,8 +142,8 @@ class DeadZoneRequests:
         result = _result_of(answer.result())
         if result is None:
             return  # not an answer: the timeout will count it
-        if self._is_refused_offset(result):
-            self._ask_without_offset(result.reason)
+        if self._is_refused_extra(result):
+            self._ask_for_dead_zone(result.reason)
             return
         # Whoever has answered knows the dead zone, and needs it no second time for being new.
         self._publishers |= self._asked
@@ -146,20 +153,23 @@ class DeadZoneRequests:
             self._fail(f"the controller refused the dead zone: {result.reason}")
         self._end()
 
-    def _is_refused_offset(self, result: SetParametersResult) -> bool:
+    def _is_refused_extra(self, result: SetParametersResult) -> bool:
         wanted = self.in_flight
-        has_offset = wanted is not None and wanted.voltage_offset is not None
-        return has_offset and not result.successful and not self._is_dropped
+        has_extras = wanted is not None and (
+            wanted.voltage_offset is not None or bool(wanted.gains)
+        )
+        return has_extras and not result.successful and not self._is_dropped
 
-    def _ask_without_offset(self, reason: str) -> None:
+    def _ask_for_dead_zone(self, reason: str) -> None:
+        gains = self.in_flight is not None and bool(self.in_flight.gains)
+        what = "gains" if gains else "voltage offset"
         self.refused_offsets += 1
         self._node.get_logger().warning(
-            f"the controller refused the voltage offset, and is asked for the dead zone alone: "
-            f"{reason}",
+            f"the controller refused the {what}, and is asked for the dead zone alone: {reason}",
             throttle_duration_sec=60.0,
         )
         self._answer = None
-        self.forget_offset()
+        self._forget_extras()
         self._ask()
 
     def _give_up(self) -> None:

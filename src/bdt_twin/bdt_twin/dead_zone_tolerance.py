@@ -137,12 +137,28 @@ class DeadZoneRule:
 
     def tolerance(self, estimate: Estimate, time: float) -> float:
         """Return the tolerance epsilon_dz [m] that is to take effect at `time` [s]."""
+        return self.limited(self.wanted(estimate, time), time)
+
+    def wanted(self, estimate: Estimate, time: float) -> float:
+        """Return the tolerance [m] for a time [s] without range and rate."""
         settings = self._settings
         bound = gap_bound(estimate, time + settings.horizon, settings.coverage_factor)
         largest = estimate.gap + settings.largest_growth
         self.is_bounded = bound > largest
         bound = min(bound, largest)
-        wanted = tolerance_for_gap(settings.ratio * bound + settings.margin, self._pitch)
+        return tolerance_for_gap(settings.ratio * bound + settings.margin, self._pitch)
+
+    def limited(self, wanted: float, time: float) -> float:
+        """Return the tolerance within range and rate that is nearest to a wanted one [m].
+
+        Parameters
+        ----------
+        wanted : float
+            Tolerance [m].
+        time : float
+            Time at which it is to take effect [s].
+        """
+        settings = self._settings
         wanted = min(max(wanted, settings.minimum), settings.maximum)
         if self._last is not None:
             before, last = self._last

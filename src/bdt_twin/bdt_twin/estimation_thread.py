@@ -9,7 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_twin.decider import Decider, no_decider
 from bdt_twin.estimator import Estimate, Estimator, TelemetryRejectedError
+from bdt_twin.simulated_decision import Decision
 from bdt_twin.user_estimator import UserEstimatorError
 
 LARGEST_BACKLOG = 5.0
@@ -43,6 +45,8 @@ class Outcome(NamedTuple):
         True if this is another run.
     seconds : float
         Wall time that it took [s].
+    decision : Decision or None
+        What was decided for the estimate; None without one, and for eq. 9.
     """
 
     newest: float
@@ -53,6 +57,7 @@ class Outcome(NamedTuple):
     is_hole: bool
     begins: bool
     seconds: float
+    decision: Decision | None = None
 
 
 class _Batch(NamedTuple):
@@ -70,10 +75,18 @@ class EstimationThread:
         Used by this thread only.
     notify : callable
         Called in the thread when there are outcomes to collect.
+    decider : Decider
+        Decides by simulation, in this thread as well; by default nothing does.
     """
 
-    def __init__(self, estimator: Estimator, notify: Callable[[], object]) -> None:
+    def __init__(
+        self,
+        estimator: Estimator,
+        notify: Callable[[], object],
+        decider: Decider = no_decider,
+    ) -> None:
         self._estimator = estimator
+        self._decider = decider
         self._notify = notify
         self._waiting: deque[_Batch] = deque()
         self._outcomes: deque[Outcome] = deque()
@@ -158,9 +171,10 @@ class EstimationThread:
         begins = first.begins or bool(rows[0, 0] < self._last_time)
         if first.begins:
             self._estimator.restart()
-        estimate, fault, failure = None, "", ""
+        estimate, fault, failure, decision = None, "", "", None
         try:
             estimate = self._estimator.update(rows, newest_only=len(batches) > 1)
+            decision = self._decider(rows, estimate, begins=begins)
         except TelemetryRejectedError as error:
             fault = str(error)
         except UserEstimatorError as error:
@@ -176,6 +190,7 @@ class EstimationThread:
             first.is_hole,
             begins,
             time.perf_counter() - began,
+            decision,
         )
 
 

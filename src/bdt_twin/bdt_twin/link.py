@@ -105,12 +105,15 @@ class Reconfiguration(NamedTuple):
         Dead-zone tolerance epsilon_dz [m].
     voltage_offset : float or None
         Voltage that the controller is to add to its commands [V]; None to leave that as it is.
+    gains : tuple of (str, float)
+        Gains by the names of the controller's parameters; empty to leave them as they are.
     """
 
     due: int
     estimated: int
     tolerance: float
     voltage_offset: float | None = None
+    gains: tuple[tuple[str, float], ...] = ()
 
 
 class DelayedLink:
@@ -147,7 +150,12 @@ class DelayedLink:
         return self._expected
 
     def send(
-        self, now: int, estimated: int, tolerance: float, voltage_offset: float | None = None
+        self,
+        now: int,
+        estimated: int,
+        tolerance: float,
+        voltage_offset: float | None = None,
+        gains: tuple[tuple[str, float], ...] = (),
     ) -> int | None:
         """Send a reconfiguration.
 
@@ -155,7 +163,7 @@ class DelayedLink:
         ----------
         now : int
             Time of sending [ns].
-        estimated, tolerance, voltage_offset
+        estimated, tolerance, voltage_offset, gains
             See :class:`Reconfiguration`.
 
         Returns
@@ -168,7 +176,8 @@ class DelayedLink:
         if self._loss and self._draws.random() < self._loss:
             self.lost += 1
             return None
-        heapq.heappush(self._pending, Reconfiguration(due, estimated, tolerance, voltage_offset))
+        sent = Reconfiguration(due, estimated, tolerance, voltage_offset, gains)
+        heapq.heappush(self._pending, sent)
         return due
 
     def send_again(self, now: int) -> int | None:
@@ -188,7 +197,9 @@ class DelayedLink:
             return None
         # Newer than what was delivered, older than whatever is learned from more telemetry.
         in_force = self._in_force
-        return self.send(now, self._newest + 1, in_force.tolerance, in_force.voltage_offset)
+        return self.send(
+            now, self._newest + 1, in_force.tolerance, in_force.voltage_offset, in_force.gains
+        )
 
     def deliver(self, now: int) -> Reconfiguration | None:
         """Return the newest of what has arrived at `now` [ns] and forget the older ones.
@@ -241,7 +252,9 @@ class DelayedLink:
 
 
 def _after(before: Reconfiguration | None, arrived: Reconfiguration) -> Reconfiguration:
-    """Return what is in force after an arrival, which may leave the voltage offset as it was."""
-    if before is None or arrived.voltage_offset is not None:
+    """Return what is in force after an arrival, which may leave offset and gains as they were."""
+    if before is None:
         return arrived
-    return arrived._replace(voltage_offset=before.voltage_offset)
+    if arrived.voltage_offset is None:
+        arrived = arrived._replace(voltage_offset=before.voltage_offset)
+    return arrived if arrived.gains else arrived._replace(gains=before.gains)

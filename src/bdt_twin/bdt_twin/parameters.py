@@ -1,9 +1,12 @@
 """Parameters of the twin node: which dataclass declares which names."""
 
+from bdt_controller.notch import NotchFilter
+from bdt_controller.pid import PidGains
 from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.motor import MotorParameters
 from bdt_plant.structure import StructureParameters
 from bdt_twin.dead_zone_tolerance import DeadZoneSettings
+from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator_choice import EstimatorChoice
 from bdt_twin.inverse_filter import InverseFilterSettings
 from bdt_twin.link import LinkSettings
@@ -20,5 +23,10 @@ PARAMETERS = (
     ("motor", MotorParameters),
     ("lead_screw", LeadScrewParameters),
     ("structure", StructureParameters),
+    ("decision", DecisionSettings),
+    ("pid", PidGains),
+    ("notch", NotchFilter),
+    ("redesign", PidGains),
+    ("redesign", NotchFilter),
 )
 """Prefix and dataclass, in the order in which the node declares them."""

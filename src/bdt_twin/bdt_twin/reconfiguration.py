@@ -3,6 +3,7 @@
 from bdt_twin.dead_zone_tolerance import DeadZoneRule
 from bdt_twin.estimator import Estimate
 from bdt_twin.link import DelayedLink, Reconfiguration
+from bdt_twin.simulated_decision import Decision
 
 
 class Reconfigurator:
@@ -26,7 +27,11 @@ class Reconfigurator:
         return self._rule.is_bounded
 
     def send(
-        self, estimate: Estimate, now: int, voltage_offset: float | None = None
+        self,
+        estimate: Estimate,
+        now: int,
+        voltage_offset: float | None = None,
+        decision: Decision | None = None,
     ) -> float | None:
         """Send a dead zone, unless nothing is known of the gap.
 
@@ -39,6 +44,8 @@ class Reconfigurator:
         voltage_offset : float or None
             Voltage that the controller is to add to its commands [V], sent with the dead zone;
             None to leave that as it is.
+        decision : Decision or None
+            What was decided by simulation; None for the rule.
 
         Returns
         -------
@@ -48,8 +55,15 @@ class Reconfigurator:
         if not estimate.is_known:
             return None
         effective = now * 1e-9 + self._link.expected_delay
-        tolerance = self._rule.tolerance(estimate, effective)
-        self._link.send(now, now, tolerance, voltage_offset)
+        wanted = self._rule.wanted(estimate, effective)
+        gains: tuple[tuple[str, float], ...] = ()
+        if decision is not None:
+            # Where doubt is beyond its bound, the bound counts and no simulation.
+            if decision.tolerance is not None and not self._rule.is_bounded:
+                wanted = decision.tolerance
+            gains = decision.gains.by_name() if decision.gains is not None else ()
+        tolerance = self._rule.limited(wanted, effective)
+        self._link.send(now, now, tolerance, voltage_offset, gains)
         return tolerance
 
     def send_again(self, now: int) -> bool:

@@ -34,12 +34,14 @@ from bdt_msgs_py.writing import gap_estimate, progress
 from bdt_plant.plant import PlantModel
 from bdt_twin.dead_zone_delivery import DeadZoneDelivery
 from bdt_twin.dead_zone_tolerance import DeadZoneRule
+from bdt_twin.decider import create_decider
 from bdt_twin.estimation_thread import EstimationThread
 from bdt_twin.estimator import Estimate, estimate_values
 from bdt_twin.estimator_choice import create_estimator
 from bdt_twin.link import DelayedLink
 from bdt_twin.parameters import PARAMETERS
 from bdt_twin.reconfiguration import Reconfigurator
+from bdt_twin.simulated_decision import Decision, decision_values
 
 BOUNDED = "the gap is too uncertain: dead_zone.largest_growth bounds the dead zone"
 
@@ -64,11 +66,9 @@ class TwinNode(Node):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(TWIN_NODE, **node_arguments)
-        self._settings, link, dead_zone, self._choice, *estimators, motor, screw, structure = (
-            declare_all(self, PARAMETERS)
-        )
+        self._settings, link, dead_zone, self._choice, *others = declare_all(self, PARAMETERS)
+        inverse_filter, output_error, motor, screw, structure, deciding, *gains = others
         model = PlantModel(motor, screw, structure)
-        inverse_filter, output_error = estimators
         self._sampling_rate: float = inverse_filter.sampling_rate
         with destroy_on_error(self):
             try:
@@ -81,6 +81,7 @@ class TwinNode(Node):
         )
         self._received = self._telemetry_end = self._batch_samples = 0
         self._estimate: Estimate | None = None
+        self._decision: Decision | None = None
         self._window_time = 0.0
         self._accepted = self._estimates = self._reported_troubles = 0
         self._estimator_errors, self._estimator_error = 0, ""
@@ -101,7 +102,10 @@ class TwinNode(Node):
             TimeReference, PROGRESS.name, qos_profile(PROGRESS)
         )
         estimated = self.create_guard_condition(self._take_outcomes)
-        self._estimation = EstimationThread(estimator, estimated.trigger)
+        decider = create_decider(
+            deciding, model, gains, estimator, self._link.expected_delay, dead_zone.horizon
+        )
+        self._estimation = EstimationThread(estimator, estimated.trigger, decider)
         self.create_subscription(
             Float64MultiArray, TELEMETRY.name, self._take_telemetry, qos_profile(TELEMETRY)
         )
@@ -171,23 +175,26 @@ class TwinNode(Node):
                 self._warn(f"the estimator failed: {outcome.error}")
             if outcome.begins:
                 self._delivery.restart()
-                self._estimate = None
+                self._estimate = self._decision = None
             if math.isfinite(outcome.newest):
                 self._telemetry_end = nanoseconds_from_seconds(outcome.newest)
                 self._batch_samples = outcome.samples
             if outcome.estimate is not None:
                 self._window_time = outcome.seconds
-                self._use(outcome.estimate)
+                self._use(outcome.estimate, outcome.decision)
             self._publish_progress()
 
-    def _use(self, estimate: Estimate) -> None:
+    def _use(self, estimate: Estimate, decision: Decision | None) -> None:
         self._estimates += 1
-        self._estimate = estimate
+        taken_back = 0 if self._decision is None else self._decision.taken_back
+        if decision is not None and decision.taken_back > taken_back:
+            self.get_logger().warning(decision.reason)
+        self._estimate, self._decision = estimate, decision
         tolerance = offset = None
         if self._settings.reconfigure:
             was_bounded = self._reconfigurator.is_bounded
             offset = estimate.compensation if self._settings.compensate_offset else None
-            tolerance = self._reconfigurator.send(estimate, self._telemetry_end, offset)
+            tolerance = self._reconfigurator.send(estimate, self._telemetry_end, offset, decision)
             if self._reconfigurator.is_bounded and not was_bounded:
                 self.get_logger().warning(BOUNDED)
         if estimate.is_known:
@@ -257,6 +264,7 @@ class TwinNode(Node):
             "estimator": self._choice.kind,
             "estimates": self._estimates,
             **estimate_values(self._estimate),
+            **decision_values(self._decision),
             "estimator_errors": self._estimator_errors,
             "estimator_error": self._estimator_error,
             "telemetry_accepted": self._accepted,

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bdt_controller.controller import ControllerSettings, DeadZoneController
+from bdt_controller.notch import NO_NOTCH
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.gap_profile import GapProfile
@@ -17,11 +18,14 @@ from bdt_study.evaluation.trial import MARGIN
 from bdt_study.simulation.closed_loop import Scenario, simulate
 from bdt_study.simulation.twin_loop import simulate_with_twin
 from bdt_twin.dead_zone_tolerance import DeadZoneSettings, tolerance_for_gap
+from bdt_twin.decider import create_decider
+from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.link import LinkSettings
 from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
+from bdt_twin.simulated_decision import ControllerGains
 
 SCENARIO = Scenario(6.0, ReferenceProfile(step_time=2.0), GapProfile(growth_time=8.0))
 
@@ -208,3 +212,50 @@ def test_a_loop_that_has_rested_for_long_follows_the_next_step_and_learns_again(
         tail = slice((end - 1) * 1000, end * 1000)
         bias = np.mean(result.loop.q3[tail]) - reference(end - 0.5)
         assert abs(bias) < 0.05 * 2e-3
+
+
+def python_loop_with_decisions(scenario, decision, redesign, delay):
+    """Return voltages and readings as the nodes compute them, decisions included."""
+    plant = PlantSimulator(scenario.model, scenario.gap, Sampling(), scenario.sensor)
+    controller = DeadZoneController(PidGains(), ControllerSettings())
+    estimator = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
+    gains = (PidGains(), NO_NOTCH, *redesign)
+    decide = create_decider(decision, PlantModel(), gains, estimator, delay, 0.0)
+    rows, on_the_way, decisions = [], [], []
+    for step in range(scenario.control_steps):
+        while on_the_way and on_the_way[0][0] <= plant.nanoseconds:
+            _, tolerance, pid, notch = on_the_way.pop(0)
+            controller.configure(pid, ControllerSettings(dead_zone_tolerance=tolerance), notch)
+        r = reference_at(scenario.reference, plant.time)
+        rows.append(plant.advance(controller.step(r, plant.position)))
+        if (step + 1) % 50 == 0:
+            batch = np.concatenate(rows[-50:])
+            estimate = estimator.update(batch)
+            found = decide(batch, estimate, begins=False)
+            if found is not None:
+                decisions.append(found)
+                due = round((batch[-1, 0] + delay) * 1e9)
+                tolerance = found.tolerance
+                if tolerance is None:
+                    tolerance = tolerance_for_gap(estimate.gap, PITCH)
+                on_the_way.append((due, tolerance, *found.gains))
+    return np.concatenate(rows), decisions
+
+
+@pytest.mark.parametrize("delay", [0.33, 0.4])
+def test_decisions_change_dead_zone_and_gains_as_in_the_nodes_bit_for_bit(delay):
+    redesign = ControllerGains(PidGains(6284.7, 12569.0, -868.39, 0.11636), NO_NOTCH)
+    settings = DecisionSettings(
+        kind="simulate", reconfigure_gains=True, members=2, step_heights=(5e-3,)
+    )
+    scenario = dataclasses.replace(SCENARIO, sensor=NOISY)
+    run = simulate_with_twin(scenario, link=link(delay), decision=settings, redesign=redesign)
+    rows, decisions = python_loop_with_decisions(scenario, settings, redesign, delay)
+    assert run.decisions == tuple(decisions)
+    assert decisions[-1].gains == redesign
+    assert run.loop.u.tobytes() == np.ascontiguousarray(rows[:, 1]).tobytes()
+    assert run.loop.measured.tobytes() == np.ascontiguousarray(rows[:, 2]).tobytes()
+
+
+def test_without_simulation_nothing_is_decided():
+    assert simulate_with_twin(SCENARIO, link=link(1.0)).decisions == ()

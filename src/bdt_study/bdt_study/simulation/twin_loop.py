@@ -4,13 +4,19 @@ The compiled loop runs from one batch of telemetry to the next. Whatever the twi
 after the batch behind it, so the dead zone of the next interval is known before it is computed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_controller.control_law import discretize_control, switched
+from bdt_controller.notch import NotchFilter
+from bdt_controller.pid import PidGains
+from bdt_msgs_py.parameter_tables import parameter_sets
 from bdt_msgs_py.reading import nanoseconds_from_seconds
+from bdt_plant.plant import PlantModel
 from bdt_study.simulation.closed_loop import (
     SIGNALS,
     Scenario,
@@ -21,14 +27,21 @@ from bdt_study.simulation.closed_loop import (
     signals_for,
     trajectory_of,
 )
-from bdt_study.simulation.loop_kernel import SIMULATED, run_kernel
+from bdt_study.simulation.loop_kernel import SIMULATED, allocate, run_kernel
+from bdt_study.simulation.loop_model import DiscreteLoop, LoopInputs, LoopState
 from bdt_twin.dead_zone_tolerance import EQUATION_9, DeadZoneRule, DeadZoneSettings
+from bdt_twin.decider import Decider, create_decider
+from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.link import PAPER_LINK, DelayedLink, LinkSettings
 from bdt_twin.reconfiguration import Reconfigurator
+from bdt_twin.simulated_decision import ControllerGains, Decision
 
 FloatArray = NDArray[np.float64]
+
+DECIDED_BY_RULE = DecisionSettings()
+"""No simulated decisions."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +58,15 @@ class TwinTrajectory:
         What the estimator said.
     voltage_offsets : ndarray, shape (control steps,)
         Voltage that the controller adds to its command at each measurement [V].
+    decisions : tuple of Decision
+        What was decided by simulation, for each estimate that is known; empty for eq. 9.
     """
 
     loop: Trajectory
     tolerances: FloatArray
     estimates: tuple[Estimate, ...]
     voltage_offsets: FloatArray
+    decisions: tuple[Decision, ...] = ()
 
     @property
     def estimate_times(self) -> FloatArray:
@@ -72,6 +88,9 @@ def simulate_with_twin(
     keep: Sequence[str] = SIGNALS,
     *,
     compensate_offset: bool = True,
+    decision: DecisionSettings = DECIDED_BY_RULE,
+    believed: PlantModel | None = None,
+    redesign: ControllerGains | None = None,
 ) -> TwinTrajectory:
     """Simulate the reconfigurable controller (figures 5 and 7).
 
@@ -93,6 +112,12 @@ def simulate_with_twin(
     compensate_offset : bool
         Whether the controller is to be set against an offset of the amplifier that the estimator
         knows.
+    decision : DecisionSettings
+        How dead zone and gains are decided on; by the rule of `dead_zone` by default.
+    believed : PlantModel, optional
+        The mechanism as the twin knows it, for decisions; the scenario's by default.
+    redesign : ControllerGains, optional
+        Gains that a simulated decision may set, if its settings say so.
 
     Returns
     -------
@@ -109,7 +134,16 @@ def simulate_with_twin(
         settings = InverseFilterSettings(sampling_rate=rate)
         estimator = InverseFilterEstimator(scenario.model, settings)
     rule = DeadZoneRule(dead_zone, scenario.model.lead_screw.pitch)
-    twin = _Twin(estimator, Reconfigurator(rule, DelayedLink(link)), compensate_offset)
+    delayed, gains = DelayedLink(link), ControllerGains(scenario.gains, scenario.notch)
+    decider = create_decider(
+        decision,
+        scenario.model if believed is None else believed,
+        (*gains, *(redesign or gains)),
+        estimator,
+        delayed.expected_delay,
+        dead_zone.horizon,
+    )
+    twin = _Twin(estimator, Reconfigurator(rule, delayed), decider, compensate_offset)
 
     tolerances, offsets = inputs.tolerances.copy(), inputs.offsets.copy()
     stamps = np.rint(np.arange(scenario.control_steps) * hold * 1e9 / rate).astype(np.int64)
@@ -117,11 +151,18 @@ def simulate_with_twin(
     for first in range(0, scenario.control_steps, batch):
         steps = slice(first, min(first + batch, scenario.control_steps))
         samples = slice(steps.start * hold, steps.stop * hold)
-        twin.reconfigure(stamps[steps], tolerances[steps], offsets[steps])
-        between = inputs.between(steps.start, steps.stop)._replace(
-            tolerances=tolerances[steps], offsets=offsets[steps]
-        )
-        state = run_kernel(state, step, between, tuple(signal[samples] for signal in signals))
+        switches = twin.reconfigure(stamps[steps], tolerances[steps], offsets[steps])
+        # Gains change at a measurement: the kernel runs up to it, and goes on with the new ones.
+        edges = sorted({steps.start, *(steps.start + place for place in switches), steps.stop})
+        for begin, end in pairwise(edges):
+            between = inputs.between(begin, end)._replace(
+                tolerances=tolerances[begin:end], offsets=offsets[begin:end]
+            )
+            if begin - steps.start in switches:
+                gains = switches[begin - steps.start]
+                state, step = _switched(state, step, between.between(0, 1), gains)
+            part = slice(begin * hold, end * hold)
+            state = run_kernel(state, step, between, tuple(one[part] for one in signals))
         times = np.arange(samples.start, samples.stop) / rate
         twin.take_telemetry(np.column_stack([times, u[samples], measured[samples]]))
     return TwinTrajectory(
@@ -129,25 +170,59 @@ def simulate_with_twin(
         tolerances,
         tuple(twin.estimates),
         offsets,
+        tuple(twin.decisions),
     )
+
+
+def _switched(
+    state: LoopState, step: DiscreteLoop, between: LoopInputs, gains: ControllerGains
+) -> tuple[LoopState, DiscreteLoop]:
+    """Return state and models with which the controller goes on with other gains.
+
+    Parameters
+    ----------
+    state : LoopState
+        State at the measurement at which they arrive.
+    step : DiscreteLoop
+        Models so far.
+    between : LoopInputs
+        Inputs of the control period that begins with this measurement.
+    gains : ControllerGains
+        The gains.
+    """
+    law = discretize_control(gains.pid, step.control.pid.period, gains.notch)
+    if law == step.control:
+        return state, step
+    # What is measured now nobody knows but the kernel: it shows a reading in a trial.
+    trial = allocate(between.gaps.size - 1)
+    run_kernel(state, step, between, trial)
+    reading = float(trial[SIMULATED.index("measured")][0])
+    control = switched(state.control, float(between.references[0]) - reading, step.control, law)
+    return state._replace(control=control), step._replace(control=law)
 
 
 class _Twin:
     """Estimator, link and dead zone, as the twin's node puts them together."""
 
     def __init__(
-        self, estimator: Estimator, reconfigurator: Reconfigurator, compensates: bool
+        self,
+        estimator: Estimator,
+        reconfigurator: Reconfigurator,
+        decider: Decider,
+        compensates: bool,
     ) -> None:
         self._estimator = estimator
         self._reconfigurator = reconfigurator
+        self._decider = decider
         self._compensates = compensates
         self._tolerance: float | None = None
         self._offset: float | None = None
         self.estimates: list[Estimate] = []
+        self.decisions: list[Decision] = []
 
     def reconfigure(
         self, stamps: NDArray[np.int64], tolerances: FloatArray, offsets: FloatArray
-    ) -> None:
+    ) -> dict[int, ControllerGains]:
         """Set what is in force at the next measurements.
 
         Parameters
@@ -158,7 +233,13 @@ class _Twin:
             Tolerances without the twin [m]; overwritten from the first reconfiguration on.
         offsets : ndarray, shape (n,)
             Voltage offsets without the twin [V]; overwritten from the first one that it sets.
+
+        Returns
+        -------
+        dict
+            Gains to be set, by the place of the measurement from which on they count.
         """
+        switches: dict[int, ControllerGains] = {}
         if self._tolerance is not None:
             tolerances[:] = self._tolerance
         if self._offset is not None:
@@ -172,12 +253,24 @@ class _Twin:
             if arrived is not None and arrived.voltage_offset is not None:
                 self._offset = arrived.voltage_offset
                 offsets[first:] = self._offset
+            if arrived is not None and arrived.gains:
+                switches[first] = _gains_of(dict(arrived.gains))
+        return switches
 
     def take_telemetry(self, rows: FloatArray) -> None:
         """Estimate from the rows (t [s], u [V], q3 [m]) of a batch, and send (eq. 9)."""
         estimate = self._estimator.update(rows)
+        decision = self._decider(rows, estimate, begins=False)
+        if decision is not None:
+            self.decisions.append(decision)
         if estimate is not None:
             self.estimates.append(estimate)
             offset = estimate.compensation if self._compensates else None
             end = nanoseconds_from_seconds(rows[-1, 0])
-            self._reconfigurator.send(estimate, end, offset)
+            self._reconfigurator.send(estimate, end, offset, decision)
+
+
+def _gains_of(values: Mapping[str, float]) -> ControllerGains:
+    """Return gains by the names of the controller's parameters."""
+    pid, notch = parameter_sets((("pid", PidGains), ("notch", NotchFilter)), values)
+    return ControllerGains(pid, notch)

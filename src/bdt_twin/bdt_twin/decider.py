@@ -1,0 +1,90 @@
+"""What decides by simulation beside an estimator, in the node and offline."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_controller.notch import NotchFilter
+from bdt_controller.pid import PidGains
+from bdt_plant.plant import PlantModel
+from bdt_twin.decision_loop import compiled_steps
+from bdt_twin.decision_settings import DecisionSettings
+from bdt_twin.estimator import Estimate, Estimator
+from bdt_twin.machine_knowledge import MachineKnowledge
+from bdt_twin.output_error import AcceptedFit
+from bdt_twin.simulated_decision import ControllerGains, Decision, SimulatedDecision
+
+FloatArray = NDArray[np.float64]
+
+
+class Decider(Protocol):
+    """Called with each batch of telemetry and the estimate that became due."""
+
+    def __call__(
+        self, rows: FloatArray, estimate: Estimate | None, *, begins: bool
+    ) -> Decision | None:
+        """Return a decision; None without one."""
+
+
+def no_decider(rows: FloatArray, estimate: Estimate | None, *, begins: bool) -> Decision | None:
+    """Decide nothing: the rule of the dead zone is all there is."""
+    _ = rows, estimate, begins
+    return None
+
+
+def create_decider(
+    settings: DecisionSettings,
+    model: PlantModel,
+    gains: Sequence[PidGains | NotchFilter],
+    estimator: Estimator,
+    delay: float,
+    horizon: float,
+) -> Decider:
+    """Return what decides.
+
+    Parameters
+    ----------
+    settings : DecisionSettings
+        How.
+    model : PlantModel
+        The mechanism, as the twin knows it.
+    gains : sequence of PidGains and NotchFilter
+        Gains and filter of the controller, and those that they may be set to.
+    estimator : Estimator
+        What knows the mechanism; used where the estimator is.
+    delay : float
+        Time to the controller that has to be reckoned with [s].
+    horizon : float
+        Time for which a decision is to hold at least [s].
+    """
+    if settings.kind == "equation_9":
+        return no_decider
+    pid, notch, new_pid, new_notch = gains
+    if not (isinstance(pid, PidGains) and isinstance(new_pid, PidGains)):
+        raise TypeError("gains must be those of a PID, a filter, and both again")
+    if not (isinstance(notch, NotchFilter) and isinstance(new_notch, NotchFilter)):
+        raise TypeError("gains must be those of a PID, a filter, and both again")
+    redesign = ControllerGains(new_pid, new_notch) if settings.reconfigure_gains else None
+    # Whatever is not in numba's cache is compiled now, not when the first batch waits.
+    compiled_steps()
+    decision = SimulatedDecision(settings, model, ControllerGains(pid, notch), redesign, horizon)
+
+    def decide(rows: FloatArray, estimate: Estimate | None, *, begins: bool) -> Decision | None:
+        if begins:
+            decision.restart()
+        # A hole has times alone.
+        if np.isfinite(rows).all():
+            decision.watch(rows)
+        if estimate is None or not estimate.is_known:
+            return None
+        return decision.decide(estimate, _knowledge(estimator), float(rows[-1, 0]), delay)
+
+    return decide
+
+
+def _knowledge(estimator: Estimator) -> MachineKnowledge | None:
+    """Return what an estimator knows of the machine, if it is one that does."""
+    last_fit = getattr(estimator, "last_fit", None)
+    return last_fit.fit.machine if isinstance(last_fit, AcceptedFit) else None
