@@ -64,7 +64,7 @@ LABORATORY = Scenario(
 
 MACHINE = dataclasses.replace(
     LABORATORY,
-    duration=1.0,
+    duration=0.7,
     model=PlantModel(
         MotorParameters(coulomb_friction=0.008),
         stribeck=StribeckParameters(0.01, 2.0, 0.1),
