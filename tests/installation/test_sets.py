@@ -25,7 +25,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 ROBOT = ("bdt_msgs_py", "bdt_controller", "bdt_driver", "bdt_bringup")
-TWIN = ("bdt_msgs_py", "bdt_plant", "bdt_twin")
+TWIN = ("bdt_controller", "bdt_msgs_py", "bdt_plant", "bdt_twin")
 
 NOT_FOR_A_ROBOT = ("control", "jinja2", "matplotlib", "mcap", "numba", "plotly", "rich", "scipy")
 NOT_FOR_THE_TWIN = ("control", "jinja2", "matplotlib", "mcap", "plotly", "rich", "scipy")
