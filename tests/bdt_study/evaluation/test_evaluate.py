@@ -14,6 +14,7 @@ from bdt_study.evaluation.outcome import CaseOutcome
 FIELDS = [
     "case",
     "estimator",
+    "decision",
     "rms_error_deg",
     "worst_error_deg",
     "coverage_95",
@@ -22,6 +23,9 @@ FIELDS = [
     "avoidable_limit_cycle_percent",
     "avoidable_steps_percent",
     "bias_under_2_percent",
+    "worst_bias_percent",
+    "settling_s",
+    "taken_back",
     "window_ms",
     "runs",
 ]
@@ -110,6 +114,18 @@ def test_bad_input_is_one_line_and_exit_code_two(arguments, says, capsys):
 
 
 def test_what_is_unknown_is_a_dash_in_the_table():
-    row = CaseOutcome("clean", "x:Y", None, None, None, None, 100.0, 0.0, None, 50.0, None, 3)
+    told = ("clean", "x:Y", "equation_9")
+    row = CaseOutcome(*told, None, None, None, None, 100.0, 0.0, None, 50.0, 0.5, None, 0, None, 3)
     cells = [list(column.cells) for column in outcome_table([row]).columns]
-    assert cells == [["clean"], ["x:Y"], ["-"], ["-"], ["-"], ["-"], ["100"], ["0"], ["50"], ["-"]]
+    numbers = [["-"]] * 4 + [["100"], ["0"], ["50"], ["0.50"], ["-"], ["-"]]
+    assert cells == [[each] for each in told] + numbers
+
+
+def test_both_ways_to_decide_are_compared_on_the_same_scenarios(capsys):
+    arguments = ["--cases", "clean", "--runs", "1", "--json", "--estimator", "inverse_filter"]
+    decisions = ["--decision", "equation_9", "--decision", "simulate"]
+    assert run_command(["evaluate", *arguments, *decisions]) == 0
+    by_rule, simulated = json.loads(capsys.readouterr().out)["cases"]
+    assert [by_rule["decision"], simulated["decision"]] == ["equation_9", "simulate"]
+    assert simulated["worst_bias_percent"] < by_rule["worst_bias_percent"]
+    assert simulated["limit_cycle_free_percent"] == 100.0

@@ -1,6 +1,7 @@
 """One row of the table, from trials whose numbers are known."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -94,3 +95,16 @@ def test_the_processor_time_is_a_median_in_milliseconds():
 def test_without_any_estimate_there_is_no_error():
     row = summarize_trials("c", "e", [trial([], [], times=[])])
     assert (row.rms_error_deg, row.worst_error_deg, row.window_ms) == (None, None, None)
+
+
+def test_settling_is_the_median_over_all_steps_and_unknown_where_that_does_not_settle():
+    slow = replace(trial([0.1], [1.0]), settling_times=np.array([2.0, 3.0, math.inf]), taken_back=1)
+    row = summarize_trials("c", "e", [slow, slow], "simulate")
+    assert (row.decision, row.settling_s, row.taken_back) == ("simulate", 3.0, 2)
+    never = replace(slow, settling_times=np.array([2.0, math.inf, math.inf]))
+    assert summarize_trials("c", "e", [never]).settling_s is None
+
+
+def test_the_bias_is_the_median_of_the_worst_of_each_run():
+    trials = [trial([0.1], [1.0], worst_bias=bias) for bias in (0.2, 0.4, 3.0)]
+    assert summarize_trials("c", "e", trials).worst_bias_percent == 0.4

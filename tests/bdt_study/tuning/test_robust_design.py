@@ -8,6 +8,7 @@ from bdt_plant.plant import PlantModel
 from bdt_study.tuning.linear_judgment import judge
 from bdt_study.tuning.mechanism_ranges import MechanismRanges, corners
 from bdt_study.tuning.robust_design import ControllerDesign, RobustSearch
+from bdt_study.tuning.tuned_gains import INTEGRAL_TIME, TUNED_GAINS
 
 MODELS = corners(PlantModel(), MechanismRanges())
 RATE = 500.0
@@ -39,8 +40,13 @@ def test_the_default_gains_are_as_sensitive_as_the_issue_says():
     assert judged.largest_sensitivity == pytest.approx(5.1, abs=0.05)
 
 
-def test_a_slower_integral_makes_a_pid_that_bears_the_harsh_mechanism(search):
-    judged = judge(search.design("slow", 0.5, with_notch=False), MODELS, RATE)
+@pytest.fixture(scope="module")
+def slower(search):
+    return search.design("slower", INTEGRAL_TIME, with_notch=False)
+
+
+def test_a_slower_integral_makes_a_pid_that_bears_the_harsh_mechanism(slower):
+    judged = judge(slower, MODELS, RATE)
     assert judged.stable
     assert judged.integrates
     assert judged.bandwidth == pytest.approx(10.0, rel=0.01)
@@ -54,3 +60,8 @@ def test_a_filter_at_the_first_mode_bears_much_more(search):
     assert judged.stable
     assert judged.bandwidth == pytest.approx(10.0, rel=0.02)
     assert judged.largest_sensitivity < 2.2
+
+
+def test_the_tuned_gains_are_what_the_design_finds(slower):
+    found, stated = (tuple(vars(one).values()) for one in (slower.gains, TUNED_GAINS.pid))
+    assert found == pytest.approx(stated, rel=0.01)

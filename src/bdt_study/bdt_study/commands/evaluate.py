@@ -17,6 +17,12 @@ def _add_arguments(parser: ArgumentParser) -> None:
         help="inverse_filter, output_error or module:name; may be repeated (default: both)",
     )
     parser.add_argument(
+        "--decision",
+        action="append",
+        choices=("equation_9", "simulate"),
+        help="how the twin decides on dead zone and gains; may be repeated (default: equation_9)",
+    )
+    parser.add_argument(
         "--cases",
         nargs="+",
         metavar="CASE",

@@ -7,6 +7,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
 from multiprocessing import get_context
 from os import cpu_count
+from typing import NamedTuple
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -19,6 +20,7 @@ from bdt_study.evaluation.case import Case
 from bdt_study.evaluation.cases import CASES
 from bdt_study.evaluation.outcome import CaseOutcome, summarize_trials
 from bdt_study.evaluation.trial import Trial, run_trial
+from bdt_twin.decision_settings import KINDS as DECISIONS
 from bdt_twin.estimator_choice import KINDS, EstimatorChoice, create_estimator
 from bdt_twin.inverse_filter import InverseFilterSettings
 from bdt_twin.output_error_settings import OutputErrorSettings
@@ -39,11 +41,12 @@ def evaluate(options: argparse.Namespace) -> int:
     if options.figure is not None:
         prepare_output("--figure", options.figure, PICTURES)
     seeds = range(options.seed, options.seed + options.runs)
-    trials = run_trials(cases, kinds, seeds)
+    twins = [Twin(kind, how) for kind in kinds for how in options.decision or DECISIONS[:1]]
+    trials = run_trials(cases, twins, seeds)
     outcomes = [
-        summarize_trials(case.name, kind, trials[case.name, kind])
+        summarize_trials(case.name, twin.kind, trials[case.name, twin.label], twin.decision)
         for case in cases
-        for kind in kinds
+        for twin in twins
     ]
     if options.figure is not None:
         # Nothing else here needs the plotting library.
@@ -60,8 +63,28 @@ def evaluate(options: argparse.Namespace) -> int:
     return 0
 
 
+class Twin(NamedTuple):
+    """A twin that is tried.
+
+    Attributes
+    ----------
+    kind : str
+        Its estimator.
+    decision : str
+        How it decides on dead zone and gains.
+    """
+
+    kind: str
+    decision: str
+
+    @property
+    def label(self) -> str:
+        """Name in figures: the estimator, and how it decides if that is not eq. 9."""
+        return self.kind if self.decision == DECISIONS[0] else f"{self.kind}, {self.decision}"
+
+
 def run_trials(
-    cases: Sequence[Case], kinds: Sequence[str], seeds: Sequence[int]
+    cases: Sequence[Case], twins: Sequence[Twin], seeds: Sequence[int]
 ) -> dict[tuple[str, str], list[Trial]]:
     """Run all trials on all cores, with a progress bar on standard error.
 
@@ -69,37 +92,42 @@ def run_trials(
     ----------
     cases : sequence of Case
         Conditions.
-    kinds : sequence of str
-        Estimators.
+    twins : sequence of Twin
+        Estimators and decisions.
     seeds : sequence of int
         Numbers of the scenarios, the same ones for every case and estimator.
 
     Returns
     -------
     dict
-        Trials in the order of the seeds, for each (name of the case, estimator).
+        Trials in the order of the seeds, for each (name of the case, label of the twin).
     """
-    jobs = [(case, kind, seed) for seed in seeds for case in cases for kind in kinds]
+    jobs = [(case, twin, seed) for seed in seeds for case in cases for twin in twins]
     results = dict(_finished(jobs))
     return {
-        (case.name, kind): [results[case.name, kind, seed] for seed in seeds]
+        (case.name, twin.label): [results[case.name, twin, seed] for seed in seeds]
         for case in cases
-        for kind in kinds
+        for twin in twins
     }
 
 
-def _finished(jobs: list[tuple[Case, str, int]]) -> Iterator[tuple[tuple[str, str, int], Trial]]:
+def _finished(
+    jobs: list[tuple[Case, Twin, int]],
+) -> Iterator[tuple[tuple[str, Twin, int], Trial]]:
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     progress = Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True))
     # Not forked: the compiled kernels bring threads of their own.
     pool = ProcessPoolExecutor(cpu_count(), mp_context=get_context("spawn"))
     with progress, pool:
         task = progress.add_task("closed-loop runs", total=len(jobs))
-        running = {pool.submit(run_trial, *job): job for job in jobs}
+        running = {
+            pool.submit(run_trial, case, twin.kind, seed, twin.decision): (case, twin, seed)
+            for case, twin, seed in jobs
+        }
         try:
             for future in as_completed(running):
-                case, kind, seed = running[future]
-                yield (case.name, kind, seed), future.result()
+                case, twin, seed = running[future]
+                yield (case.name, twin, seed), future.result()
                 progress.advance(task)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
@@ -111,6 +139,7 @@ def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:
     table = Table(title=f"gap estimates in closed loop, {outcomes[0].runs} random runs each")
     table.add_column("case", no_wrap=True)
     table.add_column("estimator", no_wrap=True)
+    table.add_column("decision", no_wrap=True)
     for name in (
         "rms error [deg]",
         "worst [deg]",
@@ -119,6 +148,8 @@ def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:
         "no limit cycle [%]",
         "avoidable [%]",
         "bias < 2 % [%]",
+        "bias [%]",
+        "settling [s]",
         "window [ms]",
     ):
         table.add_column(name, justify="right")
@@ -126,6 +157,7 @@ def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:
         table.add_row(
             row.case,
             row.estimator,
+            row.decision,
             _text(row.rms_error_deg, ".2g"),
             _text(row.worst_error_deg, ".2g"),
             _text(row.coverage_95, ".0f"),
@@ -133,6 +165,8 @@ def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:
             _text(row.limit_cycle_free_percent, ".0f"),
             _text(row.avoidable_limit_cycle_percent, ".0f"),
             _text(row.bias_under_2_percent, ".0f"),
+            _text(row.worst_bias_percent, ".2f"),
+            _text(row.settling_s, ".1f"),
             _text(row.window_ms, ".0f"),
         )
     return table

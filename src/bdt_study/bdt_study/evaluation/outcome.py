@@ -17,7 +17,7 @@ class CaseOutcome:
 
     Attributes
     ----------
-    case, estimator : str
+    case, estimator, decision : str
         What was evaluated.
     rms_error_deg, worst_error_deg : float or None
         Error of the estimates over all runs [deg]; None when there were none.
@@ -37,6 +37,12 @@ class CaseOutcome:
         None when there are no such steps.
     bias_under_2_percent : float
         Share of the runs whose worst bias is below 2 % of the amplitude [%].
+    worst_bias_percent : float
+        Median over the runs of the worst bias [% of the amplitude].
+    settling_s : float or None
+        Median settling time of all steps [s]; None if the median step does not settle.
+    taken_back : int
+        Number of simulated decisions that were taken back.
     window_ms : float or None
         Median of the processor time of an estimate [ms].
     runs : int
@@ -45,6 +51,7 @@ class CaseOutcome:
 
     case: str
     estimator: str
+    decision: str
     rms_error_deg: float | None
     worst_error_deg: float | None
     coverage_95: float | None
@@ -53,11 +60,16 @@ class CaseOutcome:
     avoidable_limit_cycle_percent: float
     avoidable_steps_percent: float | None
     bias_under_2_percent: float
+    worst_bias_percent: float
+    settling_s: float | None
+    taken_back: int
     window_ms: float | None
     runs: int
 
 
-def summarize_trials(case: str, estimator: str, trials: Sequence[Trial]) -> CaseOutcome:
+def summarize_trials(
+    case: str, estimator: str, trials: Sequence[Trial], decision: str = "equation_9"
+) -> CaseOutcome:
     """Return the row of a case and an estimator.
 
     Parameters
@@ -66,7 +78,11 @@ def summarize_trials(case: str, estimator: str, trials: Sequence[Trial]) -> Case
         What was evaluated.
     trials : sequence of Trial
         Its runs, at least one.
+    decision : str
+        How the twin decided.
     """
+    settling = np.concatenate([trial.settling_times for trial in trials])
+    middle = float(np.median(settling)) if settling.size else math.inf
     errors = np.concatenate([trial.errors for trial in trials])
     sigmas = np.concatenate([trial.uncertainties for trial in trials])
     bounds = np.concatenate([trial.bounds for trial in trials])
@@ -77,6 +93,7 @@ def summarize_trials(case: str, estimator: str, trials: Sequence[Trial]) -> Case
     return CaseOutcome(
         case,
         estimator,
+        decision,
         math.degrees(_rms(errors)) if errors.size else None,
         math.degrees(float(np.abs(errors).max())) if errors.size else None,
         interval_coverage(errors, sigmas),
@@ -85,6 +102,9 @@ def summarize_trials(case: str, estimator: str, trials: Sequence[Trial]) -> Case
         100.0 * float(np.mean([trial.avoidable_limit_cycles > 0 for trial in trials])),
         100.0 * avoidable / steps if steps else None,
         100.0 * float(np.mean([trial.worst_bias < LARGEST_BIAS for trial in trials])),
+        float(np.median([trial.worst_bias for trial in trials])),
+        middle if math.isfinite(middle) else None,
+        sum(trial.taken_back for trial in trials),
         1e3 * float(np.median(times)) if times.size else None,
         len(trials),
     )

@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,10 @@ from bdt_study.evaluation.case import Case
 from bdt_study.evaluation.cases import draw_scenario
 from bdt_study.simulation.closed_loop import Scenario, Trajectory, simulate
 from bdt_study.simulation.twin_loop import simulate_with_twin
+from bdt_study.tuning.tuned_gains import TUNED_GAINS
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.dead_zone_tolerance import EQUATION_9, DeadZoneSettings
+from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.estimator_choice import EstimatorChoice, create_estimator
 from bdt_twin.inverse_filter import InverseFilterSettings
@@ -59,6 +61,10 @@ class Trial:
         Number of steps that end in a limit cycle and would not with the true gap as dead zone.
     avoidable_steps : int
         Number of steps that do not end in a limit cycle with the true gap as dead zone.
+    settling_times : ndarray, shape (steps,)
+        Settling time of each step [s]; infinite for one that does not settle.
+    taken_back : int
+        Number of simulated decisions that were taken back.
     """
 
     errors: FloatArray
@@ -70,6 +76,8 @@ class Trial:
     window_times: FloatArray
     avoidable_limit_cycles: int = 0
     avoidable_steps: int = 0
+    settling_times: FloatArray = field(default_factory=lambda: np.empty(0))
+    taken_back: int = 0
 
 
 class InstrumentedEstimator:
@@ -112,7 +120,7 @@ class InstrumentedEstimator:
                 self.bounds.append((estimate, bound))
 
 
-def run_trial(case: Case, kind: str, seed: int) -> Trial:
+def run_trial(case: Case, kind: str, seed: int, decision: str = "equation_9") -> Trial:
     """Run one random scenario in closed loop.
 
     Parameters
@@ -123,6 +131,9 @@ def run_trial(case: Case, kind: str, seed: int) -> Trial:
         The estimator, as in the twin's parameter ``estimator.kind``.
     seed : int
         Number of the scenario.
+    decision : str
+        How the twin decides, as in its parameter ``decision.kind``; one that simulates may set the
+        gains that ``bdt tune`` recommends.
     """
     scenario = draw_scenario(case, seed)
     gap = scenario.gap
@@ -134,7 +145,18 @@ def run_trial(case: Case, kind: str, seed: int) -> Trial:
         case.reading_error if case.is_exact else 0.0,
     )
     dead_zone = EQUATION_9 if kind == "inverse_filter" else MARGIN
-    run = simulate_with_twin(scenario, estimator, case.link, dead_zone, keep=("q3",))
+    run = simulate_with_twin(
+        scenario,
+        estimator,
+        case.link,
+        dead_zone,
+        keep=("q3",),
+        decision=DecisionSettings(
+            kind=decision, reconfigure_gains=True, voltage_limit=case.voltage_limit
+        ),
+        believed=PlantModel(),
+        redesign=TUNED_GAINS,
+    )
     # What the paper's estimator states is a mean over its window (figure 6).
     age = 0.5 * settings.window if kind == "inverse_filter" else 0.0
     learned = [each for each in run.estimates if each.is_known and not each.reason]
@@ -152,6 +174,10 @@ def run_trial(case: Case, kind: str, seed: int) -> Trial:
         np.array(estimator.times),
         avoidable,
         steps,
+        np.array(
+            [math.inf if one.settling_time_s is None else one.settling_time_s for one in judged]
+        ),
+        run.decisions[-1].taken_back if run.decisions else 0,
     )
 
 
