@@ -18,12 +18,15 @@ from pathlib import Path
 
 import numpy as np
 
+import bdt_bags.writing.file_compression
+import bdt_bags.writing.mcap_file  # noqa: F401 - before the fork, once for all processes
 from bdt_bags.writing.background_writer import BackgroundWriter
 from bdt_bags.writing.bag_files import BagFiles
 from bdt_bags.writing.topic_metadata import topic_metadata
 
 TOPICS = ("/count", "/again")
-PERIOD = 1e-2
+DESCRIBED = [topic_metadata(name, "std_msgs/msg/String", "") for name in TOPICS]
+PERIOD = 5e-3
 PROBE_PERIOD = 0.05
 LONGEST = 3.0
 """Nothing is killed later than this after its first message [s]."""
@@ -68,7 +71,7 @@ def write_until_killed(bag: Path, kind: str, times: Path) -> None:
         split_duration=float(split_duration),
     )
     writer = BackgroundWriter(files, print)
-    topics = [writer.add_topic(topic_metadata(name, "std_msgs/msg/String", "")) for name in TOPICS]
+    topics = [writer.add_topic(topic) for topic in DESCRIBED]
     with times.open("r+b") as file, mmap.mmap(file.fileno(), 0) as shared:
         for number in range(len(shared) // 8):
             writer.write(topics[number % 2], time.time_ns(), content(number))

@@ -19,7 +19,7 @@ WRITERS = Path(__file__).with_name("counting_writers.py")
 KINDS = (
     "mcap:none:0:0",
     "mcap:zstd:0:0",
-    "mcap:none:50000:0",
+    "mcap:none:100000:0",
     "sqlite3:none:0:0",
     "sqlite3:none:0:0.7",
     "sqlite3:zstd:0:0",
