@@ -29,7 +29,7 @@ WITH_PROCESSES = ("bdt_study.benchmarks.transport", "bdt_study.benchmarks.progra
 OFFLINE = [x for x, function in BENCHMARKS.items() if function.__module__ not in WITH_PROCESSES]
 
 
-@pytest.mark.parametrize("name", [*OFFLINE, "pingpong_vs_raw"])
+@pytest.mark.parametrize("name", OFFLINE)
 def test_each_benchmark_gives_finite_numbers_as_json(name):
     report = json.loads(json.dumps(run_benchmarks([name], TINY), allow_nan=False))
     assert report["machine"]["cores"] >= 1

@@ -1,5 +1,6 @@
 """Benchmarks of the transport: two processes, every message arrives, numbers that make sense."""
 
+import json
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -7,20 +8,23 @@ from importlib.util import find_spec
 import pytest
 
 from bdt_study.benchmarks import transport
+from bdt_study.benchmarks.bench import run_benchmarks
 from bdt_study.benchmarks.result import BenchmarkSize
 
 TINY = BenchmarkSize(messages=200, loop_duration=1.0)
 
 
-def test_the_ping_pong_stands_beside_bare_bytes():
-    rate, cpu = transport.pingpong_vs_raw(TINY)
-    assert rate.unit == "round trips/s"
-    assert rate.value > 10
-    assert cpu.value > 0
+def test_the_ping_pong_stands_beside_bare_bytes_in_the_json_of_all_benchmarks():
+    report = json.loads(json.dumps(run_benchmarks(["pingpong_vs_raw"], TINY), allow_nan=False))
+    rate, cpu = report["results"]
+    assert rate["name"] == cpu["name"] == "pingpong_vs_raw"
+    assert rate["unit"] == "round trips/s"
+    assert rate["value"] > 10
+    assert cpu["value"] > 0
     if find_spec("cyclonedds") is None:
-        assert rate.reference.startswith("skipped")
+        assert rate["reference"].startswith("skipped")
     else:
-        assert rate.ratio == pytest.approx(rate.value / rate.reference_value)
+        assert rate["ratio"] == pytest.approx(rate["value"] / rate["reference_value"])
 
 
 @pytest.mark.parametrize("benchmark", [transport.one_way_joint_state, transport.one_way_6kb])
