@@ -64,7 +64,7 @@ LABORATORY = Scenario(
 
 MACHINE = dataclasses.replace(
     LABORATORY,
-    duration=0.7,
+    duration=0.5,
     model=PlantModel(
         MotorParameters(coulomb_friction=0.008),
         stribeck=StribeckParameters(0.01, 2.0, 0.1),
@@ -151,7 +151,7 @@ def test_an_imperfect_loop_is_that_of_the_python_loop_bit_for_bit(control_rate):
 
 @pytest.mark.parametrize("control_rate", [5000.0, 500.0])
 def test_a_mechanism_that_is_not_linear_is_that_of_the_python_loop_bit_for_bit(control_rate):
-    sampling = Sampling(control_rate=control_rate, sub_steps=3)
+    sampling = Sampling(control_rate=control_rate, sub_steps=2)
     trajectory = assert_is_the_python_loop(dataclasses.replace(MACHINE, sampling=sampling), 2.8e-5)
     assert np.abs(trajectory.q1 - trajectory.d).max() > 1e-6  # its screw is elastic
 
@@ -168,7 +168,7 @@ def assert_stops_change_nothing(scenario, stops):
 
 
 def test_a_mechanism_that_is_not_linear_stops_and_goes_on_as_one():
-    assert_stops_change_nothing(MACHINE, [7, 300])
+    assert_stops_change_nothing(MACHINE, [7, 200])
 
 
 def test_the_voltage_offset_may_change_at_any_measurement_and_does_so_without_a_bump():
