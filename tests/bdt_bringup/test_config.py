@@ -11,18 +11,20 @@ from bdt_bringup.configuration import packaged_configurations
 
 ROOT = Path(__file__).parents[2]
 
+SHIPPED = ["paper", "linear", "fixed_dead_zone", "laboratory", "simulated", "workshop"]
+
 
 def test_without_a_name_the_configurations_are_listed_with_what_they_are(capsys):
     assert run_command(["config"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(packaged_configurations())
-    assert lines[-2] == (
+    assert lines[-3] == (
         "paper            Figure 7 of the paper: the twin estimates the growing gap and "
         "reconfigures the dead zone."
     )
 
 
-@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone", "laboratory", "workshop"])
+@pytest.mark.parametrize("name", SHIPPED)
 def test_the_path_of_a_configuration_is_printed_from_any_folder(
     name, capsys, tmp_path, monkeypatch
 ):

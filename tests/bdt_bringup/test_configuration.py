@@ -21,7 +21,9 @@ from bdt_msgs_py.parameter_tables import known_parameters
 from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.sensor import SensorParameters
 from bdt_study.evaluation.trial import MARGIN
+from bdt_study.tuning.tuned_gains import TUNED_GAINS
 
+SHIPPED = ["paper", "linear", "fixed_dead_zone", "laboratory", "simulated", "workshop"]
 CONFIG = Path(__file__).parents[2] / "config"
 
 
@@ -35,7 +37,7 @@ def parameters(node, text):
     return f"{node}:\n  ros__parameters:\n    {text}\n"
 
 
-@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone", "laboratory", "workshop"])
+@pytest.mark.parametrize("name", SHIPPED)
 def test_the_shipped_configurations_are_valid(name):
     configuration = load_configuration(CONFIG / f"{name}.yaml")
     assert configuration.name == name
@@ -63,6 +65,17 @@ def differences(name, other):
         for node in CONFIGURED_NODES
         for parameter in known_parameters(parameter_table(node))
         if ours.value(node, parameter) != theirs.value(node, parameter)
+    }
+
+
+def test_the_simulated_one_is_the_laboratory_with_a_twin_that_decides_by_simulating():
+    differs = differences("simulated", "laboratory")
+    gains = vars(TUNED_GAINS.pid)
+    assert differs == {
+        ("twin", "decision.kind"): "simulate",
+        ("twin", "decision.reconfigure_gains"): True,
+        ("twin", "decision.voltage_limit"): 24.0,
+        **{("twin", f"redesign.{name}"): value for name, value in gains.items()},
     }
 
 
@@ -133,7 +146,7 @@ def test_nested_and_dotted_names_wildcards_and_namespaces_are_the_same_parameter
 
 
 @pytest.mark.parametrize("namespace", ["", "/left", "/laboratory/left"])
-@pytest.mark.parametrize("name", ["paper", "linear", "fixed_dead_zone", "laboratory", "workshop"])
+@pytest.mark.parametrize("name", SHIPPED)
 def test_the_shipped_configurations_are_for_the_nodes_in_any_namespace(name, namespace):
     path = CONFIG / f"{name}.yaml"
     configuration = load_configuration(path, namespace)

@@ -18,6 +18,7 @@ FEWER = SweepSettings(
     choices=tuple(replace(choice, values=choice.values[-1:]) for choice in open_choices()),
     gaps=tuple(np.deg2rad([2.5, 30.0]).tolist()),
     stiffness_factors=(0.8, 60.0),
+    decision_gaps=(28.0,),
 )
 """All delays, on which claims rest, and the ends of what is only drawn."""
 
@@ -42,7 +43,7 @@ def test_claims_come_in_the_order_of_the_figures(output):
     claims = json.loads((output / "claims.json").read_text(encoding="utf-8"))
     figures = [claim["id"].split("_")[0] for claim in claims]
     assert figures == sorted(figures)
-    assert set(figures) == {"design", "fig2", "fig3", "fig4", "fig6", "fig7"}
+    assert set(figures) == {"decision", "design", "fig2", "fig3", "fig4", "fig6", "fig7"}
 
 
 def test_the_figures_of_the_paper_are_there(output):

@@ -14,10 +14,12 @@ from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.plant import PlantModel
 from bdt_study.simulation.closed_loop import Scenario, Trajectory, simulate
-from bdt_study.simulation.twin_loop import simulate_with_twin
+from bdt_study.simulation.twin_loop import DECIDED_BY_RULE, simulate_with_twin
 from bdt_twin.dead_zone_tolerance import tolerance_for_gap
+from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.link import PAPER_LINK, LinkSettings
+from bdt_twin.simulated_decision import ControllerGains
 
 FloatArray = NDArray[np.float64]
 
@@ -174,7 +176,12 @@ def constant_experiment(choices: Choices, dead_zone_gap: float) -> Experiment:
     return _experiment(choices, scenario, simulate(scenario, KEPT), dead_zones, np.empty((0, 2)))
 
 
-def reconfigured_experiment(choices: Choices, link: LinkSettings = PAPER_LINK) -> Experiment:
+def reconfigured_experiment(
+    choices: Choices,
+    link: LinkSettings = PAPER_LINK,
+    decision: DecisionSettings = DECIDED_BY_RULE,
+    redesign: ControllerGains | None = None,
+) -> Experiment:
     """Run the reconfigurable controller with the digital twin (figure 7).
 
     Parameters
@@ -183,10 +190,16 @@ def reconfigured_experiment(choices: Choices, link: LinkSettings = PAPER_LINK) -
         What the paper leaves open.
     link : LinkSettings
         Delays on the way to the controller; 1 s by default.
+    decision : DecisionSettings
+        How the twin decides; by eq. 9 by default.
+    redesign : ControllerGains, optional
+        Gains that a decision by simulation may set.
     """
     scenario = choices.scenario()
     estimator = InverseFilterEstimator(scenario.model, choices.settings())
-    run = simulate_with_twin(scenario, estimator, link, keep=KEPT)
+    run = simulate_with_twin(
+        scenario, estimator, link, keep=KEPT, decision=decision, redesign=redesign
+    )
     changed = np.flatnonzero(np.diff(run.tolerances, prepend=math.nan) != 0)
     dead_zones = np.stack(
         [changed / scenario.sampling.control_rate, run.tolerances[changed]], axis=1

@@ -105,6 +105,16 @@ FIGURES = (
         "all.",
     ),
     FigureText(
+        "decisions.png",
+        "Sweep: who decides on the dead zone",
+        "Constant gaps, 18 steps a point, nominal mechanism. Eq. 9; the twin that simulates the "
+        "next steps and commands the narrowest dead zone without a limit cycle; the same, which "
+        "may set the gains that bdt tune recommends; and an oracle that knows the mechanism and "
+        "what is to come, with the gains as they are. Dotted: half the width of the dead zone, the "
+        "largest bias possible. Crosses: a limit cycle.",
+        claims="decision",
+    ),
+    FigureText(
         "choices.png",
         "Sweep: everything that the paper leaves open",
         "Each claim again with one choice changed: a dot where it holds, a cross where not; "

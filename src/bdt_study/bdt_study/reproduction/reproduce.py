@@ -26,6 +26,7 @@ from bdt_study.limit_cycles.figure import limit_cycle_figure
 from bdt_study.reproduction import (
     claim_robustness,
     dead_zone_sweep,
+    decision_sweep,
     delay_sweep,
     figure_2,
     figure_6,
@@ -149,6 +150,9 @@ def reproduce(
     with stage("dead-zone tolerances"):
         outcomes = dead_zone_sweep.sweep_tolerances(choices, size.dead_zone_ratios)
         figures["dead_zone_widths.png"] = dead_zone_sweep.tolerance_figure(outcomes)
+    with stage("decisions by simulation"):
+        decided = decision_sweep.sweep_decisions(choices, size.decision_gaps)
+        figures["decisions.png"] = decision_sweep.decision_figure(decided)
     with stage("other choices"):
         robustness_results = claim_robustness.sweep_choices(size.choices)
         figures["choices.png"] = claim_robustness.robustness_figure(robustness_results)
@@ -170,6 +174,8 @@ def reproduce(
         delay_sweep.paper_delay_is_harmless(sweep),
         delay_sweep.delay_begins_to_matter(sweep),
         delay_sweep.random_delay_is_harmless(sweep),
+        decision_sweep.decisions_are_stable(decided),
+        decision_sweep.decisions_are_not_conservative(decided),
     ]
     claims.sort(key=lambda claim: claim.figure)
     return Reproduction(tuple(claims), figures, robustness_results, over_gap, accuracy)

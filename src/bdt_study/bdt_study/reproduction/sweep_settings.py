@@ -6,6 +6,7 @@ import numpy as np
 
 from bdt_study.reproduction.claim_robustness import OpenChoice, open_choices
 from bdt_study.reproduction.dead_zone_sweep import RATIOS
+from bdt_study.reproduction.decision_sweep import GAPS
 from bdt_study.reproduction.delay_sweep import DELAYS, RANDOM_RUNS
 
 
@@ -27,6 +28,8 @@ class SweepSettings:
         Constant gaps at which limit cycles are predicted and simulated [rad].
     stiffness_factors : tuple of float
         Factors on the stiffness at which they are compared again.
+    decision_gaps : tuple of float
+        Constant gaps at which ways to decide on the dead zone are compared [deg].
     """
 
     delays: tuple[float, ...] = DELAYS
@@ -35,3 +38,4 @@ class SweepSettings:
     choices: tuple[OpenChoice, ...] = field(default_factory=open_choices)
     gaps: tuple[float, ...] = tuple(np.deg2rad([2.5, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0]).tolist())
     stiffness_factors: tuple[float, ...] = tuple(np.geomspace(0.8, 60.0, 14).tolist())
+    decision_gaps: tuple[float, ...] = GAPS
