@@ -30,7 +30,9 @@ SIMULATED = 48.0
 SHORTEST, LONGEST = 4.0, 12.0
 """Lengths between which simulated steps are [s], whatever the last ones were."""
 BETTER = 0.9
-"""Share of the dead zone so far that other gains have to need at most to be taken."""
+"""Share of dead zone or settling time so far that other gains have to need at most to be taken."""
+SMALL_BIAS = 0.002
+"""Bias up to which biases are alike, as a share of a step's height."""
 
 
 class ControllerGains(NamedTuple):
@@ -121,7 +123,7 @@ class SimulatedDecision:
         """Forget what was decided: another run begins."""
         self._gains = self._first
         self._may_redesign = self._redesign is not None
-        self._watch = LoopWatch(self._settings.patience)
+        self._watch = LoopWatch(self._settings.patience, min(self._settings.step_heights))
         self._before: float | None = None
         self._simulated: tuple[float, _Choice | None, str] | None = None
         self._distrusted_until = -math.inf
@@ -169,7 +171,7 @@ class SimulatedDecision:
         )
         if self._is_on_probation(now):
             self._simulated = None
-            self._watch.expect(math.inf)
+            self._watch.expect(math.inf, width)
             reason = f"eq. 9, as a decision was taken back: {self._why}"
             return self._decision(width, None, reason)
         if self._simulated is not None and now - self._simulated[0] < self._settings.period:
@@ -181,12 +183,12 @@ class SimulatedDecision:
         if other is not None:
             chosen, self._may_redesign = other, False
         if chosen is None:
-            self._watch.expect(math.inf)
+            self._watch.expect(math.inf, width)
             reason = (
                 f"eq. 9: steps end in limit cycles with dead zones up to {WIDER[-1]:g} times it"
             )
         else:
-            self._watch.expect(chosen.outcome.longest)
+            self._watch.expect(chosen.outcome.longest, width)
             names = "redesigned gains" if self._gains != self._first else "the controller's gains"
             reason = (
                 f"narrowest without a limit cycle in {len(members)} mechanisms with {names}, "
@@ -234,9 +236,16 @@ class SimulatedDecision:
         if found is None:
             return None
         if so_far is not None:
-            narrower = found.ratio <= BETTER * so_far.ratio
-            slower = found.outcome.settling > so_far.outcome.settling
-            if slower or not narrower or found.outcome.bias > so_far.outcome.bias:
+            now, then = so_far.outcome, found.outcome
+            is_worse = (
+                found.ratio > so_far.ratio
+                or then.settling > now.settling
+                or then.bias > max(now.bias, SMALL_BIAS)
+            )
+            is_better = (
+                found.ratio <= BETTER * so_far.ratio or then.settling <= BETTER * now.settling
+            )
+            if is_worse or not is_better:
                 return None
         self._gains = self._redesign
         return found

@@ -33,7 +33,7 @@ class SimulatedOutcome(NamedTuple):
     settling : float
         Median time after which a step has settled [s].
     longest : float
-        Longest time until the dead zone is reached for good [s].
+        Longest settling time [s].
     """
 
     failed: bool
@@ -84,7 +84,7 @@ class StepTrials:
         tolerance : float
             Dead-zone tolerance epsilon_dz [m].
         """
-        biases, settled, rested = [0.0], [], [0.0]
+        biases, settled = [0.0], [0.0]
         for member in members:
             positions, voltages = simulate_steps(
                 member, law, tolerance, self._limit, self._references
@@ -98,8 +98,9 @@ class StepTrials:
                     return FAILED
                 biases.append(abs(float(position[-1]) - level) / height)
                 settled.append(self._last(np.abs(position - position[-1]) > SETTLED * height))
-                rested.append(self._last(voltage != 0.0))
-        return SimulatedOutcome(False, max(biases), sorted(settled)[len(settled) // 2], max(rested))
+        return SimulatedOutcome(
+            False, max(biases), sorted(settled)[len(settled) // 2], max(settled)
+        )
 
     def _last(self, happens: NDArray[np.bool_]) -> float:
         """Return the time after which something does not happen any more [s]."""
