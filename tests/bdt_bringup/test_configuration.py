@@ -20,8 +20,8 @@ from bdt_msgs_py.parameter_files import unused_files
 from bdt_msgs_py.parameter_tables import known_parameters
 from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.sensor import SensorParameters
+from bdt_study.design.tuned_gains import TUNED_GAINS
 from bdt_study.evaluation.trial import MARGIN
-from bdt_study.tuning.tuned_gains import TUNED_GAINS
 
 SHIPPED = ["paper", "linear", "fixed_dead_zone", "laboratory", "simulated", "workshop"]
 CONFIG = Path(__file__).parents[2] / "config"

@@ -189,6 +189,7 @@ class TwinNode(Node):
         taken_back = 0 if self._decision is None else self._decision.taken_back
         if decision is not None and decision.taken_back > taken_back:
             self.get_logger().warning(decision.reason)
+        has_news = decision is not None and decision != self._decision
         self._estimate, self._decision = estimate, decision
         tolerance = offset = None
         if self._settings.reconfigure:
@@ -209,6 +210,9 @@ class TwinNode(Node):
                     offset,
                 )
             )
+        if has_news:
+            # Bags shall hold each decision, however fast simulated time goes.
+            self._diagnostics.publish()
         if self._settings.reconfigure:
             self._delivery.deliver()
 

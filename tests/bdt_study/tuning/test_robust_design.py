@@ -5,10 +5,10 @@ import pytest
 from bdt_controller.notch import NotchFilter
 from bdt_controller.pid import PidGains
 from bdt_plant.plant import PlantModel
+from bdt_study.design.tuned_gains import INTEGRAL_TIME, TUNED_GAINS
 from bdt_study.tuning.linear_judgment import judge
 from bdt_study.tuning.mechanism_ranges import MechanismRanges, corners
 from bdt_study.tuning.robust_design import ControllerDesign, RobustSearch
-from bdt_study.tuning.tuned_gains import INTEGRAL_TIME, TUNED_GAINS
 
 MODELS = corners(PlantModel(), MechanismRanges())
 RATE = 500.0

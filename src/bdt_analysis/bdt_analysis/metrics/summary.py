@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from bdt_analysis.metrics.decision_check import DecisionCheck, check_decisions
 from bdt_analysis.metrics.estimate_analysis import EstimateSummary, summarize_estimate
 from bdt_analysis.metrics.loop_timing import LoopTiming, summarize_timing
 from bdt_analysis.metrics.missing_samples import interpolate_missing_samples
@@ -67,6 +68,8 @@ class Summary:
         How late the dead zones follow the estimates.
     re_estimation : ReEstimationSummary or None
         What an estimator made of the recorded telemetry; None when nobody asked.
+    decisions : tuple of DecisionCheck
+        What a twin that decides by simulation expected of each step, beside what happened.
     """
 
     duration_s: float
@@ -85,6 +88,7 @@ class Summary:
     timing: LoopTiming
     reconfiguration_delay: ReconfigurationSummary
     re_estimation: ReEstimationSummary | None
+    decisions: tuple[DecisionCheck, ...] = ()
 
     def to_dictionary(self) -> dict[str, Any]:
         """Return what ``summary.json`` holds; a number that is not finite becomes None."""
@@ -133,10 +137,11 @@ def summarize(
     rows, sample_time = performance_output(recording)
     rows = interpolate_missing_samples(rows, sample_time)
     lost, holes = lost_messages(recording), find_holes(recording)
+    judged = tuple(summarize_step(step, rows, sample_time) for step in steps)
     return Summary(
         duration_s=recording.duration,
         real_time_factor=recording.real_time_factor,
-        steps=tuple(summarize_step(step, rows, sample_time) for step in steps),
+        steps=judged,
         estimate=summarize_estimate(recording, hole_limits(unrecorded(holes))),
         reconfigurations=recording.reconfigurations,
         dead_zone_final_m=float(dead_zones[-1, 1]) if len(dead_zones) else None,
@@ -150,6 +155,7 @@ def summarize(
         timing=summarize_timing(recording),
         reconfiguration_delay=summarize_reconfigurations(recording),
         re_estimation=re_estimation,
+        decisions=check_decisions(recording.decisions, judged),
     )
 
 

@@ -11,6 +11,7 @@ from bdt_analysis.metrics.recording_holes import RecordingHole
 from bdt_analysis.metrics.reference_steps import ReferenceStep
 from bdt_analysis.metrics.run_names import run_names
 from bdt_analysis.metrics.summary import Summary
+from bdt_analysis.pages.decision_table import decision_table
 from bdt_analysis.pages.re_estimation_report import re_estimation_table
 from bdt_analysis.pages.rendering import render_page
 from bdt_analysis.pages.report_tables import detail_tables, steps_table
@@ -169,6 +170,7 @@ def render_report(
             time_label(recording),
         ),
         steps=steps_table(summary, steps),
+        decisions=decision_table(summary.decisions),
         tables=detail_tables(recording, summary),
         timing=timing_tables([(name, summary)]),
         log=reconfiguration_table(recording),

@@ -34,6 +34,7 @@ from bdt_bags.reading.run_selection import select_run
 from bdt_bags.reading.sample_rows import SampleRows, ordered_rows, rows_of_messages
 from bdt_bags.reading.stray_messages import without_strays
 from bdt_bags.reading.topic_selection import TopicSelection
+from bdt_bags.reading.twin_decisions import TwinDecision, recorded_decisions
 from bdt_bags.run_signals import RunSignals
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
@@ -98,6 +99,8 @@ class Recording(RunSignals):
         What the bag lacks, each with what follows from it.
     twin_parameters : mapping of str
         Parameters of the twin by name, as far as the bag tells them.
+    decisions : tuple of TwinDecision
+        What the twin has decided by simulation, in the order of time.
     """
 
     path: Path
@@ -111,6 +114,7 @@ class Recording(RunSignals):
     left_out: Mapping[str, int] = field(default_factory=dict)
     missing: tuple[str, ...] = ()
     twin_parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
+    decisions: tuple[TwinDecision, ...] = ()
 
     @property
     def missing_samples(self) -> int:
@@ -195,6 +199,7 @@ def load_recording(
         reconfigurations=reconfigurations,
         pitch=recorded_pitch(events, namespace),
         twin_parameters=recorded_parameters(events, f"{namespace}/{TWIN_NODE}"),
+        decisions=recorded_decisions(bag, namespace, clock.times),
         measurements=measurements,
         commands=commands,
         batches=sent,

@@ -13,11 +13,11 @@ from bdt_analysis.metrics.step_analysis import StepSummary, summarize_step
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.plant import PlantModel
+from bdt_study.design.tuned_gains import TUNED_GAINS
 from bdt_study.evaluation.case import Case
 from bdt_study.evaluation.cases import draw_scenario
 from bdt_study.simulation.closed_loop import Scenario, Trajectory, simulate
 from bdt_study.simulation.twin_loop import simulate_with_twin
-from bdt_study.tuning.tuned_gains import TUNED_GAINS
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.dead_zone_tolerance import EQUATION_9, DeadZoneSettings
 from bdt_twin.decision_settings import DecisionSettings

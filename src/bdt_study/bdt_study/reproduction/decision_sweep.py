@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bdt_analysis.figures import figure_style as style
 from bdt_plant.gap_profile import GapProfile
+from bdt_study.design.tuned_gains import TUNED_GAINS
 from bdt_study.reproduction.claims import Claim
 from bdt_study.reproduction.experiments import (
     Choices,
@@ -21,7 +22,6 @@ from bdt_study.reproduction.experiments import (
     constant_experiment,
     reconfigured_experiment,
 )
-from bdt_study.tuning.tuned_gains import TUNED_GAINS
 from bdt_twin.decision_settings import DecisionSettings
 
 FloatArray = NDArray[np.float64]
