@@ -62,4 +62,7 @@ def test_what_tunes_the_running_loop_can_be_reconfigured():
         "integral",
         "derivative",
         "filter_time",
+        "frequency",
+        "zero_damping",
+        "pole_damping",
     }

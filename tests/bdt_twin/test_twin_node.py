@@ -708,3 +708,11 @@ def test_a_twin_that_simulates_commands_what_its_core_decides_and_tells_why(ros,
     assert bench.health["decision"] == "simulate"
     assert bench.health["decision_reason"] == decisions[-1].reason
     assert bench.health["expected_bias_percent"] == 100.0 * decisions[-1].bias
+
+
+@pytest.mark.parametrize("name", ["pid.proportional", "notch.frequency", "redesign.integral"])
+def test_what_the_twin_knows_of_the_controller_is_read_once(ros, name):
+    bench = Bench(ros)
+    (result,) = bench.twin.set_parameters([Parameter(name, value=1.0)])
+    assert not result.successful
+    assert result.reason == f"{name} is read when the twin starts"

@@ -43,6 +43,7 @@ from bdt_twin.parameters import PARAMETERS
 from bdt_twin.reconfiguration import Reconfigurator
 from bdt_twin.simulated_decision import Decision, decision_values
 
+OF_THE_CONTROLLER = ("pid.", "notch.", "redesign.")
 BOUNDED = "the gap is too uncertain: dead_zone.largest_growth bounds the dead zone"
 
 
@@ -219,6 +220,10 @@ class TwinNode(Node):
     # Reconfiguration -----------------------------------------------------------------------
 
     def _check_parameters(self, changes: list[Parameter]) -> SetParametersResult:
+        for name in (change.name for change in changes):
+            # They are the controller's, which can be set while it runs; here they are read once.
+            if name.startswith(OF_THE_CONTROLLER):
+                return rejected(f"{name} is read when the twin starts")
         try:
             reconfigured(self._settings, "", changes)
         except ValueError as error:
