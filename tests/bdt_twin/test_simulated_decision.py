@@ -16,6 +16,7 @@ from bdt_twin.simulated_decision import (
     ControllerGains,
     SimulatedDecision,
     decision_values,
+    taken_back_because,
 )
 
 MODEL = PlantModel()
@@ -116,6 +117,8 @@ def test_a_loop_that_does_not_rest_as_promised_gets_eq_9_and_its_gains_back():
     taken_back = decide(one, 41.0)
     assert (taken_back.tolerance, taken_back.gains, taken_back.taken_back) == (None, TODAY, 1)
     assert "a decision was taken back: the loop has not rested" in taken_back.reason
+    assert taken_back_because(None, taken_back) == taken_back.reason
+    assert taken_back_because(taken_back, taken_back) == ""
     trusted_again = decide(one, 40.0 + PAPER.probation + 1.0)
     assert trusted_again.tolerance is not None
     assert trusted_again.gains == TODAY

@@ -273,6 +273,12 @@ class SimulatedDecision:
         return discretize_control(gains.pid, 1.0 / self._settings.control_rate, gains.notch)
 
 
+def taken_back_because(before: Decision | None, decision: Decision | None) -> str:
+    """Return why a decision takes another one back; empty if it does not."""
+    so_far = 0 if before is None else before.taken_back
+    return decision.reason if decision is not None and decision.taken_back > so_far else ""
+
+
 def decision_values(decision: Decision | None) -> dict[str, float | int | str | None]:
     """Return a decision as the diagnostics tell it, by name."""
     if decision is None:

@@ -41,7 +41,7 @@ from bdt_twin.estimator_choice import create_estimator
 from bdt_twin.link import DelayedLink
 from bdt_twin.parameters import PARAMETERS
 from bdt_twin.reconfiguration import Reconfigurator
-from bdt_twin.simulated_decision import Decision, decision_values
+from bdt_twin.simulated_decision import Decision, decision_values, taken_back_because
 
 OF_THE_CONTROLLER = ("pid.", "notch.", "redesign.")
 BOUNDED = "the gap is too uncertain: dead_zone.largest_growth bounds the dead zone"
@@ -187,10 +187,9 @@ class TwinNode(Node):
 
     def _use(self, estimate: Estimate, decision: Decision | None) -> None:
         self._estimates += 1
-        taken_back = 0 if self._decision is None else self._decision.taken_back
-        if decision is not None and decision.taken_back > taken_back:
-            self.get_logger().warning(decision.reason)
         has_news = decision is not None and decision != self._decision
+        if reason := taken_back_because(self._decision, decision):
+            self._warn(reason)
         self._estimate, self._decision = estimate, decision
         tolerance = offset = None
         if self._settings.reconfigure:
@@ -220,10 +219,9 @@ class TwinNode(Node):
     # Reconfiguration -----------------------------------------------------------------------
 
     def _check_parameters(self, changes: list[Parameter]) -> SetParametersResult:
-        for name in (change.name for change in changes):
-            # They are the controller's, which can be set while it runs; here they are read once.
-            if name.startswith(OF_THE_CONTROLLER):
-                return rejected(f"{name} is read when the twin starts")
+        read_once = [each.name for each in changes if each.name.startswith(OF_THE_CONTROLLER)]
+        if read_once:
+            return rejected(f"{read_once[0]} is read when the twin starts")
         try:
             reconfigured(self._settings, "", changes)
         except ValueError as error:
