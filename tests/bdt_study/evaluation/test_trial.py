@@ -140,7 +140,7 @@ def test_the_margin_is_part_of_what_is_commanded(monkeypatch):
 
     sent = []
 
-    def noting(scenario, estimator, link, dead_zone, keep):
+    def noting(scenario, estimator, link, dead_zone, **_options):
         sent.append(dead_zone)
         raise EnoughError
 
