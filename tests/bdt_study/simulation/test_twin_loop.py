@@ -259,3 +259,46 @@ def test_decisions_change_dead_zone_and_gains_as_in_the_nodes_bit_for_bit(delay)
 
 def test_without_simulation_nothing_is_decided():
     assert simulate_with_twin(SCENARIO, link=link(1.0)).decisions == ()
+
+
+class KnowsTheGap:
+    """States a constant gap once a second."""
+
+    def __init__(self, gap):
+        self._gap, self._second = gap, 0
+
+    def restart(self):
+        self._second = 0
+
+    def update(self, batch, *, newest_only=False):
+        second = int(batch[-1, 0])
+        if second == self._second:
+            return None
+        self._second = second
+        return Estimate(batch[-1, 0], self._gap, 0.0)
+
+
+def test_a_decision_that_a_badly_damped_mechanism_belies_is_taken_back():
+    """The twin believes in 40 % more damping than there is."""
+    gap, believed = math.radians(15.0), PlantModel()
+    structure = dataclasses.replace(believed.structure, damping=0.6 * believed.structure.damping)
+    scenario = Scenario(
+        40.0,
+        ReferenceProfile(step_time=10.0),
+        GapProfile("constant", gap),
+        model=dataclasses.replace(believed, structure=structure),
+    )
+    settings = DecisionSettings(
+        kind="simulate",
+        members=3,
+        period=10.0,
+        step_heights=(5e-3,),
+        step_time=10.0,
+        patience=6.0,
+    )
+    run = simulate_with_twin(scenario, KnowsTheGap(gap), decision=settings, believed=believed)
+    first, last = run.decisions[0], run.decisions[-1]
+    assert (first.taken_back, last.taken_back) == (0, 1)
+    assert "a decision was taken back: the loop has not rested" in last.reason
+    assert first.tolerance < PITCH * gap
+    assert run.tolerances[-1] == pytest.approx(PITCH * gap)
