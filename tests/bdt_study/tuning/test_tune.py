@@ -172,6 +172,7 @@ def test_the_command_prints_json_and_writes_parameters_that_nodes_take(
     gains = printed["recommended"]["pid"]
     assert written["controller"]["pid.proportional"] == gains["proportional"]
     assert written["twin"]["dead_zone.ratio"] == 0.4
+    assert written["twin"]["pid.proportional"] == gains["proportional"]
     assert written["twin"]["structure.mass"] == 5.0
 
 

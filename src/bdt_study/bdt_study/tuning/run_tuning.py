@@ -105,8 +105,9 @@ def tuned_text(configuration: Configuration | None, result: Tuning) -> str:
     }
     values = {node: dict(given) for node, given in (configuration or {}).items()}
     values.setdefault(CONTROLLER_NODE, {}).update(law)
+    # A twin that simulates has to know what the controller has.
     values.setdefault(TWIN_NODE, {}).update(
-        {"dead_zone.ratio": rule.ratio, "dead_zone.margin": rule.margin}
+        {**law, "dead_zone.ratio": rule.ratio, "dead_zone.margin": rule.margin}
     )
     document = {
         f"/**/{node}": {PARAMETERS_KEY: nested(given)} for node, given in values.items() if given
