@@ -260,9 +260,8 @@ class TwinNode(Node):
 
     def _health(self) -> Health:
         troubles = self._delivery.requests.failed + self._estimator_errors
-        texts = []
-        if troubles > self._reported_troubles:
-            texts.append("estimator or reconfiguration failed")
+        failed = troubles > self._reported_troubles
+        texts = ["estimator or reconfiguration failed"] if failed else []
         self._reported_troubles = troubles
         is_bounded = self._settings.reconfigure and self._reconfigurator.is_bounded
         if is_bounded:
