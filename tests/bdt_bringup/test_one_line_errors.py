@@ -110,7 +110,7 @@ def test_ctrl_c_while_modules_are_imported_leaves_no_traceback(tmp_path):
         check=False,
         capture_output=True,
         timeout=50,
-        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        env=os.environ | {"PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"},
     )
     assert done.returncode in (-signal.SIGINT, 128 + signal.SIGINT)
     assert done.stderr == b""

@@ -1,13 +1,13 @@
 """What a node has made, by kind."""
 
 from collections.abc import Iterator
-from enum import Enum
+from enum import IntEnum
 from typing import Any
 
 __all__ = ["EntityRegistry", "Kind"]
 
 
-class Kind(Enum):
+class Kind(IntEnum):
     """Kinds of entities, those with work in the order in which a node serves them."""
 
     EVENTS = 0
@@ -23,7 +23,7 @@ class EntityRegistry:
     """The entities of a node by kind, each kind in the order of creation."""
 
     def __init__(self) -> None:
-        self._by_kind: dict[Kind, list[Any]] = {kind: [] for kind in Kind}
+        self._by_kind: tuple[list[Any], ...] = tuple([] for _ in Kind)
 
     def add(self, kind: Kind, entity: Any) -> None:
         """Enter an entity."""
@@ -43,13 +43,12 @@ class EntityRegistry:
 
     def sources(self) -> Iterator[Any]:
         """Iterate over what has work for an executor besides events, in the order of serving."""
-        for kind in Kind:
-            if kind not in (Kind.EVENTS, Kind.PUBLISHER):
-                yield from self.of(kind)
+        for entities in self._by_kind[Kind.TIMER : Kind.PUBLISHER]:
+            yield from tuple(entities)
 
     def empty(self) -> Iterator[Any]:
         """Remove everything, piece by piece: other threads may remove, too."""
-        for kind, entities in self._by_kind.items():
+        for kind, entities in zip(Kind, self._by_kind, strict=True):
             while entities:
                 entity = entities.pop()
                 if kind is not Kind.EVENTS:

@@ -171,6 +171,11 @@ class WorkLoop:
             work = self._pop()
             if work is not None:
                 return work
+            if self._is_outdated:
+                # In this order: what the bell has been rung for is all looked at after this.
+                self._bell.clear()
+                self._ask_for_sources()
+                continue
             is_last_look = self._session.valid and self._look(deadline.nanoseconds_left())
             if self.is_closed:
                 break
@@ -206,8 +211,6 @@ class WorkLoop:
 
     def _look(self, left: int) -> bool:
         """Wait up to `left` nanoseconds for something to be ready; tell whether none are left."""
-        if self._is_outdated:
-            self._ask_for_sources()
         wait = 0 if self._tasks or self._idling else self._until_next_timer(left)
         fired = self._wait_set.wait(wait)
         if self._bell.ref in fired:

@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 
 import pytest
 import yaml
@@ -56,8 +57,11 @@ def test_a_bag_that_is_deleted_is_told_at_once_and_ends_with_1(ros, tmp_path):
         try:
             ros.spin_until(lambda: publisher.get_subscription_count() == 1)
             shutil.rmtree(bag)
+            limit = threading.Timer(60, process.kill)
+            limit.start()
             lines = iter(process.stderr.readline, "")
             assert any("bag_0.mcap was deleted or moved" in line for line in lines)
+            limit.cancel()
             process.send_signal(signal.SIGINT)
             process.communicate(timeout=20)
         finally:

@@ -1,5 +1,6 @@
 """Bags that are written here are what rosbag2 of Jazzy and rosbags read."""
 
+import shutil
 import sqlite3
 from pathlib import Path
 
@@ -200,3 +201,13 @@ def test_a_closed_bag_takes_nothing_more(tmp_path):
     bag.close()
     with pytest.raises(BagWriteError, match="closed"):
         bag.split()
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_a_bag_that_is_deleted_while_it_is_synced_is_called_deleted(tmp_path, storage, monkeypatch):
+    folder = tmp_path / "bag"
+    files = BagFiles(folder, storage=storage)
+    files.commit()
+    monkeypatch.setattr(type(files._file), "sync", lambda _: shutil.rmtree(folder))
+    with pytest.raises(BagWriteError, match=r"^bag_0\..* was deleted or moved$"):
+        files.sync()

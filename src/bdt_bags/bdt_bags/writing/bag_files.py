@@ -148,23 +148,32 @@ class BagFiles:
         with self._syncing:
             # Before the files that have ended: this one may become one of them meanwhile.
             current, names = self._file, len(self.spans)
-            while self._ended:
-                file, information = self._ended[0]
-                file.finish(information)
-                self._ended.popleft()
-            if current is not None:
-                if not current.path.exists():
-                    # The system goes on to take what nobody will ever find.
-                    raise BagWriteError(f"{current.path.name} was deleted or moved")
-                current.sync()
-            if self._synced_names < names:
-                self._sync_folder()
-                self._synced_names = names
-            due = self._due_metadata
-            if due is not None:
-                write_metadata(self.folder, due)
-                if self._due_metadata is due:
-                    self._due_metadata = None
+            try:
+                self._sync_files(current)
+                self._sync_descriptions(names)
+            except BagWriteError:
+                _check_presence(current)  # if it is gone, this is why, and better to say
+                raise
+
+    def _sync_files(self, current: "McapFile | SqliteFile | None") -> None:
+        while self._ended:
+            file, information = self._ended[0]
+            file.finish(information)
+            self._ended.popleft()
+        if current is not None:
+            # The system goes on to take what nobody will ever find.
+            _check_presence(current)
+            current.sync()
+
+    def _sync_descriptions(self, names: int) -> None:
+        if self._synced_names < names:
+            self._sync_folder()
+            self._synced_names = names
+        due = self._due_metadata
+        if due is not None:
+            write_metadata(self.folder, due)
+            if self._due_metadata is due:
+                self._due_metadata = None
 
     def split(self) -> None:
         """Leave the file to :meth:`sync` and begin the next one.
@@ -308,3 +317,8 @@ class BagFiles:
             sync_folder(self.folder)
         except OSError as error:
             raise BagWriteError(error.strerror) from error
+
+
+def _check_presence(file: "McapFile | SqliteFile | None") -> None:
+    if file is not None and not file.path.exists():
+        raise BagWriteError(f"{file.path.name} was deleted or moved")
