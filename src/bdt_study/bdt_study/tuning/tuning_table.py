@@ -3,6 +3,7 @@
 import math
 
 from rich.box import SIMPLE
+from rich.markup import escape
 from rich.table import Table
 
 from bdt_study.tuning.candidate_outcome import Candidate
@@ -11,31 +12,40 @@ from bdt_study.tuning.tune import Tuning
 COLUMNS = (
     "width",
     "M_s",
-    "PM [deg]",
+    "PM\n[deg]",
     "failed",
-    "95 % [%]",
-    "settling [s]",
-    "overshoot [%]",
-    "bias [%]",
-    "worst",
-    "peak [V]",
+    "95 %\n[%]",
+    "t_s\n[s]",
+    "M_p\n[%]",
+    "bias\n[%]",
+    "worst\n[%]",
+    "peak\n[V]",
+)
+LEGEND = (
+    "width: dead zone over eq. 9; M_s, PM: largest sensitivity and smallest phase margin; failed: "
+    "loops with a limit cycle, 95 %: interval of their share; t_s settling, M_p overshoot and bias "
+    "in the median, worst bias and peak voltage of all. Last part: the loops that confirm."
 )
 
 
 def candidates_table(result: Tuning) -> Table:
     """Return all candidates with what they cost, and below what the confirmation gave."""
     table = Table(
-        title="controllers on a mechanism within ranges", box=SIMPLE, padding=(0, 1, 0, 0)
+        title="controllers on a mechanism within ranges",
+        caption=LEGEND,
+        caption_justify="left",
+        box=SIMPLE,
+        padding=0,
     )
     table.add_column("candidate", no_wrap=True)
     for name in COLUMNS:
-        table.add_column(name, justify="right", no_wrap=True)
+        table.add_column(escape(name), justify="right", no_wrap=True)
     for candidate in result.screened:
         _add_row(table, candidate, candidate.tried.design.name)
     table.add_section()
     _add_row(table, result.baseline, "as it is, nominal")
     _add_row(table, result.before, "as it is")
-    _add_row(table, result.recommended, f"recommended: {result.recommended.tried.design.name}")
+    _add_row(table, result.recommended, result.recommended.tried.design.name)
     return table
 
 
@@ -70,8 +80,8 @@ def _add_row(table: Table, candidate: Candidate, name: str) -> None:
         f"{candidate.tried.dead_zone.ratio:g}",
         f"{candidate.linear.largest_sensitivity:.2f}",
         f"{math.degrees(candidate.linear.smallest_phase_margin):.1f}",
-        f"{candidate.failures} of {candidate.loops}",
-        f"{low:.2g} to {high:.2g}",
+        f"{candidate.failures}/{candidate.loops}",
+        f"{low:.2g}-{high:.2g}",
         f"{candidate.settling:.2f}",
         f"{candidate.overshoot:.0f}",
         f"{candidate.bias:.2f}",
