@@ -59,7 +59,9 @@ def test_summary_file_has_the_agreed_fields(analyzed):
         "timing",
         "reconfiguration_delay",
         "re_estimation",
+        "decisions",
     }
+    assert written["decisions"] == [], "the twin of this bag does not simulate"
     assert written["re_estimation"] is None, "nobody asked"
     assert set(written["estimate"]) == {
         "rms_error_rad",
