@@ -49,6 +49,7 @@ def fitted_levels(
     residual: FloatArray,
     levels: NoiseLevels,
     most: int,
+    least_slow: float = 0.0,
 ) -> FittedLevels:
     """Return the levels of noise that make a residual most likely.
 
@@ -64,16 +65,18 @@ def fitted_levels(
         Where to begin.
     most : int
         Levels to try at most; of one only their common scale is found.
+    least_slow : float
+        Least level of the motor's walk while it turns slowly [m/s^0.5].
     """
 
     def tried(ratios: FloatArray) -> tuple[float, float]:
         """Return the logarithm of the prediction error and the scale of all levels."""
         whitening = make(NoiseLevels(levels.reading, *(levels.reading * ratios).tolist()))
-        innovations = whitening.apply(residual[None, :])[0]
-        scale = max(robust_deviation(innovations), SMALLEST_NOISE / levels.reading)
+        scale = max(robust_deviation(whitening.innovations), SMALLEST_NOISE / levels.reading)
         return mean_logarithm(whitening.deviations) + float(logarithm(scale)), scale
 
-    ratios = np.array(levels[1:]) / levels.reading
+    least = np.array([0.0, least_slow, 0.0]) / levels.reading
+    ratios = np.maximum(np.array(levels[1:]) / levels.reading, least)
     best, scale = tried(ratios)
     count, improved = 1, True
     while improved and count < most:
@@ -85,16 +88,17 @@ def fitted_levels(
                 if count >= most:
                     break
                 trial = ratios.copy()
-                trial[which] = value
+                trial[which] = max(value, float(least[which]))
+                if trial[which] == level:
+                    continue
                 found, found_scale = tried(trial)
                 count += 1
                 if found < best - SMALLEST_GAIN / residual.size:
                     best, scale, ratios, improved = found, found_scale, trial, True
                     break
     reading = max(levels.reading * scale, SMALLEST_NOISE)
-    return FittedLevels(
-        NoiseLevels(reading, *(reading * ratios).tolist()), float(exponential(best))
-    )
+    found = np.maximum(reading * ratios, [0.0, least_slow, 0.0])
+    return FittedLevels(NoiseLevels(reading, *found.tolist()), float(exponential(best)))
 
 
 def mean_logarithm(values: FloatArray) -> float:

@@ -18,7 +18,7 @@ from bdt_twin.forward_model import (
     simulate_stretch,
     simulate_structure,
 )
-from bdt_twin.innovations import Motion
+from bdt_twin.innovations import DeviationModel, Motion
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import (
     FACTORS,
@@ -175,9 +175,7 @@ class WindowModel:
     def _add_effects(self, jacobian: FloatArray, unknowns: Unknowns, run: StretchResponse) -> None:
         """Add the rows of the machine's effects."""
         _, step = self._by_blocks(unknowns.factors)
-        gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
-        # The motor settles within milliseconds, so it turns as fast as the voltage tells.
-        per_volt = self._model.lead_screw.pitch * gain / self._model.motor.back_emf_constant
+        per_volt = self._travel_per_volt(unknowns)
         at_rest, moved = StructureState(0.0, 0.0, 0.0, 0.0), np.abs(run.side)
         jacobian[0] = simulate_structure(step, at_rest, -per_volt * run.turned * moved)
         jacobian[1] = simulate_structure(step, at_rest, per_volt * run.turning * moved)
@@ -186,18 +184,28 @@ class WindowModel:
         jacobian[2] = -slope.reshape(-1, self.block).mean(axis=1)
         jacobian[3] = (np.arange(run.side.size) + 0.5 - 0.5 / self.block) / self.block_rate
 
-    def motions(self, responses: list[StretchResponse]) -> list[Motion]:
-        """Return what the noise of the window depends on, for a simulation of it."""
-        return [Motion(run.fast, run.slow, run.contact) for run in responses]
+    def deviation_model(
+        self, unknowns: Unknowns, responses: list[StretchResponse]
+    ) -> DeviationModel:
+        """Return the system that noise drives over the window, for a simulation of it."""
+        motions = [Motion(run.fast, run.slow, run.contact) for run in responses]
+        _, step = self._by_blocks(unknowns.factors)
+        return DeviationModel(step, 1.0 / self.block_rate, motions)
 
     def reversals(self, responses: list[StretchResponse]) -> list[int]:
         """Return the numbers of the samples at which the screw began to move the other way."""
         pairs = zip(self.stretches, responses, strict=True)
         return [stretch.first + sample for stretch, run in pairs for sample in run.reversals]
 
-    def block_step(self, unknowns: Unknowns) -> DiscreteStructure:
-        """Return the structure's model from block to block."""
-        return self._by_blocks(unknowns.factors)[1]
+    def friction_travel(self, unknowns: Unknowns) -> float:
+        """Return the speed of the screw for the voltage that friction takes [m/s]."""
+        per_volt = self._travel_per_volt(unknowns)
+        return per_volt * float(unknowns.effects[EFFECTS.index("friction_voltage")])
+
+    def _travel_per_volt(self, unknowns: Unknowns) -> float:
+        """Return the speed of the screw for a volt [m/(V s)]; the motor settles in milliseconds."""
+        gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
+        return self._model.lead_screw.pitch * gain / self._model.motor.back_emf_constant
 
     def _add_play(
         self,

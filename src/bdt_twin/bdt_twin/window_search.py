@@ -34,7 +34,7 @@ COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
 """Lowest rates at which a beginning is chosen [Hz]: motor and structure are hardly faster."""
 WORSE = 2.0
 """Growth of the residual from window to window that makes the fit begin anew."""
-EXPLAINED = 1e-6
+EXPLAINED = 2e-5
 """Share of the position's motion in a prediction error that is small enough."""
 
 

@@ -1,0 +1,44 @@
+"""Why a fit is less sure than its residual would be if it were white noise.
+
+What is left in the innovations that is not white says less than they are many, and where a machine
+has noise its levels are found from the same data.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_twin.block_residual import variance_inflation
+from bdt_twin.fixed_order import mean
+from bdt_twin.innovations import NoiseLevels
+from bdt_twin.noise_levels import HUBER
+
+FloatArray = NDArray[np.float64]
+
+MACHINE_DOUBT = 1.3
+"""Factor by which uncertainties are larger where a machine has noise: its levels are found from the
+same data, and stick and slip is rarer and larger than what is normal."""
+
+
+def huber_weights(innovations: FloatArray) -> FloatArray:
+    """Return the weights that make squares out of Huber's loss."""
+    weights: FloatArray = HUBER / np.maximum(np.abs(innovations), HUBER)
+    return weights
+
+
+def covariance_inflation(innovations: FloatArray, levels: NoiseLevels, rate: float) -> float:
+    """Return by how many times the covariance of a fit exceeds that of white innovations.
+
+    Parameters
+    ----------
+    innovations : ndarray, shape (blocks,)
+        Innovations over their standard deviations.
+    levels : NoiseLevels
+        Levels of noise.
+    rate : float
+        Blocks in a second [Hz].
+    """
+    bounded = np.clip(innovations, -HUBER, HUBER)
+    inflation = variance_inflation(bounded, rate) * max(1.0, mean(np.square(bounded)))
+    if any(levels[1:]):
+        inflation *= MACHINE_DOUBT * MACHINE_DOUBT
+    return inflation
