@@ -38,7 +38,7 @@ class Fit:
         Simulations made.
     whitening : Whitening
         The filter that makes innovations of the residual.
-    evidence : ndarray, shape (4,)
+    evidence : ndarray, shape (effects,)
         Gain of log-likelihood by each of ``EFFECTS`` that the machine is thought not to have.
     """
 

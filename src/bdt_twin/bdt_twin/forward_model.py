@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.motor import MotorState
-from bdt_plant.plant import DiscretePlant, PlantState
+from bdt_plant.plant import PlantState
 from bdt_plant.structure import DiscreteStructure, StructureState
-from bdt_twin.window_loop import compiled_structure, compiled_window
+from bdt_twin.resisted_plant import ResistedPlant
+from bdt_twin.window_loop import DRIVES, compiled_structure, compiled_window
 
 FloatArray = NDArray[np.float64]
 
@@ -45,9 +46,12 @@ class StretchResponse(NamedTuple):
         Samples at which the screw began to move the other way.
     travel : float
         Angle over which the screw moved [rad].
-    turning, turned : ndarray, shape (blocks,)
-        Mean time for which the motor had turned up to the last contact, and the same with forward
-        less backward [s].
+    drives : ndarray, shape (6, blocks)
+        Mean of time integrals over the motion of the motor up to the last contact: by how much
+        a voltage [s] against the motion and one forward, a relative change of the gain beyond the
+        motor's own angle [rad], an excess of friction at rest as a voltage [s], a relative change
+        of the Stribeck speed per that excess [s], and a load as a voltage per force [N s] turn the
+        motor, per what a motor turns in a second for a volt.
     fast, slow : ndarray, shape (blocks,)
         Time in each block for which the motor turns fast, and slowly or nearly so [s].
     contact : ndarray, shape (blocks,)
@@ -62,8 +66,7 @@ class StretchResponse(NamedTuple):
     relative_angle: FloatArray
     reversals: list[int]
     travel: float
-    turning: FloatArray
-    turned: FloatArray
+    drives: FloatArray
     fast: FloatArray
     slow: FloatArray
     contact: FloatArray
@@ -78,14 +81,17 @@ class SlowMotion(NamedTuple):
         Speed below which the motor turns slowly [rad/s].
     standing_voltage : float
         Voltage from which on a motor that stands still may yet turn [V].
+    back_emf : float
+        Back-EMF constant k_B [V s/rad].
     """
 
     speed: float
     standing_voltage: float
+    back_emf: float
 
 
 def simulate_stretch(
-    step: DiscretePlant,
+    step: ResistedPlant,
     state: PlantState,
     voltage: FloatArray,
     gaps: FloatArray,
@@ -97,7 +103,7 @@ def simulate_stretch(
 
     Parameters
     ----------
-    step : DiscretePlant
+    step : ResistedPlant
         Discrete model of the plant.
     state : PlantState
         State at the first sample.
@@ -114,7 +120,7 @@ def simulate_stretch(
     """
     count = voltage.size // block
     position, relative_angle = np.empty(voltage.size), np.empty(voltage.size)
-    blocks = np.zeros((9, count))
+    blocks = np.zeros((7 + len(DRIVES), count))
     reversals = np.zeros(MOST_REVERSALS, dtype=np.int64)
     found, travel = compiled_window()(
         step,
@@ -125,13 +131,14 @@ def simulate_stretch(
         sample_time,
         motion.speed,
         motion.standing_voltage,
+        motion.back_emf,
         SMALLEST_TRAVEL,
         position,
         relative_angle,
         blocks,
         reversals,
     )
-    screw, side, motor, sample, turning, turned, fast, slow, contact = blocks
+    screw, side, motor, sample, fast, slow, contact = blocks[:7]
     order = range(max(found - MOST_REVERSALS, 0), found)
     noted = [int(reversals[n % MOST_REVERSALS]) for n in order]
     return StretchResponse(
@@ -143,8 +150,7 @@ def simulate_stretch(
         relative_angle,
         noted,
         travel,
-        turning,
-        turned,
+        blocks[7:],
         fast,
         slow,
         contact,

@@ -75,7 +75,7 @@ class MachineMemory:
 
         Parameters
         ----------
-        evidence : ndarray, shape (4,)
+        evidence : ndarray, shape (effects,)
             Gain of log-likelihood by each of ``EFFECTS``.
         """
         gains = evidence.copy()

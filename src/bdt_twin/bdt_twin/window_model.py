@@ -23,9 +23,10 @@ from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import (
     FACTORS,
     block_model_with,
-    plant_step_with,
 )
+from bdt_twin.resisted_model import resisted_plant_with
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
+from bdt_twin.window_loop import DRIVES
 
 FloatArray = NDArray[np.float64]
 
@@ -115,14 +116,15 @@ class WindowModel:
 
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
         """Simulate each stretch."""
-        friction, offset, delay, drift = unknowns.effects.tolist()
-        step = plant_step_with(self._model, unknowns.factors, 1.0 / self._rate)
-        current = friction / self._model.motor.resistance
-        step = step._replace(friction=step.friction._replace(current=current))
+        effect = dict(zip(EFFECTS, unknowns.effects.tolist(), strict=True))
+        friction, offset = effect["friction_voltage"], effect["voltage_offset"]
+        step = resisted_plant_with(
+            self._model, unknowns.factors, unknowns.effects, 1.0 / self._rate
+        )
         gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
         changes, responses = np.diff(unknowns.gaps), []
-        slow = SlowMotion(SLOW_VOLTAGE / back_emf, STANDING_SHARE * friction)
+        slow = SlowMotion(SLOW_VOLTAGE / back_emf, STANDING_SHARE * friction, back_emf)
         for stretch, (knots, shares), beginning in zip(
             self.stretches, self._places, unknowns.initial_conditions, strict=True
         ):
@@ -143,8 +145,8 @@ class WindowModel:
                 slow,
             )
             times = np.arange(stretch.voltage.size) / self._rate
-            reading = run.position + beginning[1] + drift * times
-            reading -= delay * self._slope(run.position)
+            reading = run.position + beginning[1] + effect["drift"] * times
+            reading -= effect["delay"] * self._slope(run.position)
             responses.append(run._replace(position=reading))
         return responses
 
@@ -177,12 +179,23 @@ class WindowModel:
         _, step = self._by_blocks(unknowns.factors)
         per_volt = self._travel_per_volt(unknowns)
         at_rest, moved = StructureState(0.0, 0.0, 0.0, 0.0), np.abs(run.side)
-        jacobian[0] = simulate_structure(step, at_rest, -per_volt * run.turned * moved)
-        jacobian[1] = simulate_structure(step, at_rest, per_volt * run.turning * moved)
+        excess = float(unknowns.effects[EFFECTS.index("excess_voltage")])
+        for name, drive, sign in (
+            ("friction_voltage", "friction", -1.0),
+            ("voltage_offset", "offset", 1.0),
+            ("excess_voltage", "excess", -1.0),
+            ("stribeck_speed", "stribeck_speed", -excess),
+            ("load_voltage", "load", -1.0),
+        ):
+            if sign != 0.0:
+                turned = sign * per_volt * run.drives[DRIVES.index(drive)] * moved
+                jacobian[EFFECTS.index(name)] = simulate_structure(step, at_rest, turned)
         # The readings' own slope differs from the position's by what delay and drift add.
         slope = self._slope(run.position) - unknowns.effects[EFFECTS.index("drift")]
-        jacobian[2] = -slope.reshape(-1, self.block).mean(axis=1)
-        jacobian[3] = (np.arange(run.side.size) + 0.5 - 0.5 / self.block) / self.block_rate
+        jacobian[EFFECTS.index("delay")] = -slope.reshape(-1, self.block).mean(axis=1)
+        jacobian[EFFECTS.index("drift")] = (
+            np.arange(run.side.size) + 0.5 - 0.5 / self.block
+        ) / self.block_rate
 
     def deviation_model(
         self, unknowns: Unknowns, responses: list[StretchResponse]
@@ -233,7 +246,7 @@ class WindowModel:
             jacobian[knot, begin:] = simulate_structure(step, at_rest, base_of * turned)
         gap = dot(initial, unknowns.gaps)
         # The angle of the motor begins at its place in the gap.
-        turned = (run.motor - 0.5 * share * gap) * moved
+        turned = (run.motor + run.drives[DRIVES.index("gain")] - 0.5 * share * gap) * moved
         jacobian[self.knots.size] = simulate_structure(step, at_rest, base_of * turned)
         jacobian[first] = simulate_structure(step, at_rest, base_of * 0.5 * gap * moved)
 
