@@ -14,6 +14,7 @@ import pytest
 from unknown_machine import Run, UnknownMachine, record
 
 from bdt_plant.plant import PlantModel
+from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
 
@@ -130,7 +131,7 @@ def test_of_a_machine_without_an_offset_none_is_ever_stated(name):
 def told_of(name):
     return dict(
         zip(
-            ("friction_voltage", "voltage_offset", "delay", "drift"),
+            EFFECTS,
             result(name).estimator.last_fit.fit.unknowns.effects.tolist(),
             strict=True,
         )

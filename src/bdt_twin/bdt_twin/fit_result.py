@@ -29,6 +29,8 @@ class Fit:
         Geometric mean of the standard deviations of the innovations [m].
     levels : NoiseLevels
         What of the residual is noise of the reading, and what of the machine.
+    prior : ndarray, shape (unknowns, unknowns)
+        Inverse covariance of the unknowns before any data.
     covariance : ndarray, shape (unknowns, unknowns)
         Covariance of the unknowns.
     pending : ndarray, shape (unknowns,)
@@ -47,6 +49,7 @@ class Fit:
     residual: float
     prediction_error: float
     levels: NoiseLevels
+    prior: FloatArray
     covariance: FloatArray
     pending: FloatArray
     simulations: int

@@ -42,16 +42,18 @@ class StretchResponse(NamedTuple):
         Mean index of the sample of the last contact.
     relative_angle : ndarray, shape (n,)
         Angle of the motor less that of the screw [rad].
+    motor_angle : ndarray, shape (n,)
+        Angle of the motor [rad].
     reversals : list of int
         Samples at which the screw began to move the other way.
     travel : float
         Angle over which the screw moved [rad].
-    drives : ndarray, shape (6, blocks)
+    drives : ndarray, shape (drives, blocks)
         Mean of time integrals over the motion of the motor up to the last contact: by how much
         a voltage [s] against the motion and one forward, a relative change of the gain beyond the
         motor's own angle [rad], an excess of friction at rest as a voltage [s], a relative change
-        of the Stribeck speed per that excess [s], and a load as a voltage per force [N s] turn the
-        motor, per what a motor turns in a second for a volt.
+        of the Stribeck speed per that excess [s], a load as a voltage per force [N s], and the
+        parts of cogging [s] turn the motor, per what a motor turns in a second for a volt.
     fast, slow : ndarray, shape (blocks,)
         Time in each block for which the motor turns fast, and slowly or nearly so [s].
     contact : ndarray, shape (blocks,)
@@ -64,6 +66,7 @@ class StretchResponse(NamedTuple):
     motor: FloatArray
     sample: FloatArray
     relative_angle: FloatArray
+    motor_angle: FloatArray
     reversals: list[int]
     travel: float
     drives: FloatArray
@@ -119,7 +122,7 @@ def simulate_stretch(
         When the motor turns slowly.
     """
     count = voltage.size // block
-    position, relative_angle = np.empty(voltage.size), np.empty(voltage.size)
+    position, relative_angle, motor_angle = np.empty((3, voltage.size))
     blocks = np.zeros((7 + len(DRIVES), count))
     reversals = np.zeros(MOST_REVERSALS, dtype=np.int64)
     found, travel = compiled_window()(
@@ -135,6 +138,7 @@ def simulate_stretch(
         SMALLEST_TRAVEL,
         position,
         relative_angle,
+        motor_angle,
         blocks,
         reversals,
     )
@@ -148,6 +152,7 @@ def simulate_stretch(
         motor,
         sample,
         relative_angle,
+        motor_angle,
         noted,
         travel,
         blocks[7:],

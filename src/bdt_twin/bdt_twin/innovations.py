@@ -138,7 +138,8 @@ class Whitening:
         residual: FloatArray,
         threshold: float = math.inf,
     ) -> None:
-        self._model, count = model, residual.size
+        self._model, self._residual, self._threshold = model, residual, threshold
+        count = residual.size
         self._gains = np.empty((count, STATES))
         variances, self.pushed, self.innovations = np.empty(count), np.zeros(count), np.empty(count)
         compiled_gains()(
@@ -157,6 +158,10 @@ class Whitening:
         )
         self.deviations: FloatArray = np.sqrt(variances)
         self.innovations /= self.deviations
+
+    def with_levels(self, levels: NoiseLevels) -> "Whitening":
+        """Return the filter of the same residual for other levels."""
+        return Whitening(self._model, levels, self._residual, self._threshold)
 
     def apply(self, rows: FloatArray) -> FloatArray:
         """Return the innovations over their standard deviations.

@@ -77,7 +77,7 @@ def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) 
     numbers = grid.numbers_at(factors)
     motor, structure, contact = np.split(numbers, [9, 33])
     # Whatever else a step holds does not depend on the factors.
-    origin = grid.origin
+    origin: DiscretePlant = grid.origin
     return origin._replace(
         motor=type(origin.motor)(*_rows(motor, 3)),
         structure=DiscreteStructure(*_rows(structure, 4)),

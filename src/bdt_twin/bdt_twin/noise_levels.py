@@ -19,6 +19,12 @@ SMALLEST_GAIN = 0.5
 """Gain of log-likelihood for which a level is changed."""
 LEVEL_FACTOR = 3.0
 """Factor by which a level is changed in search of the most likely one."""
+RESTLESS = 2.0
+"""Walk of the motor in a second, over the noise of a reading, that a model may yet explain."""
+QUIETER = 12.0
+"""Factor by which the motor is thought to walk less once it is explained."""
+NOTHING = 0.02
+"""Walk of the motor in a second, over the noise of a reading, that is none."""
 PRODUCT = 8
 """Values that are multiplied before their logarithm is taken."""
 SMALLEST_NOISE = 1e-11
@@ -97,8 +103,23 @@ def fitted_levels(
                     best, scale, ratios, improved = found, found_scale, trial, True
                     break
     reading = max(levels.reading * scale, SMALLEST_NOISE)
-    found = np.maximum(reading * ratios, [0.0, least_slow, 0.0])
-    return FittedLevels(NoiseLevels(reading, *found.tolist()), float(exponential(best)))
+    fast, slow, force = (reading * ratios).tolist()
+    levels = NoiseLevels(reading, fast, max(slow, least_slow), force)
+    return FittedLevels(levels, float(exponential(best)))
+
+
+def is_restless(levels: NoiseLevels) -> bool:
+    """Tell whether the motor walks so much that something may be left to be explained."""
+    return max(levels.fast, levels.slow) > RESTLESS * levels.reading
+
+
+def quiet(levels: NoiseLevels) -> NoiseLevels:
+    """Return levels for a motor that walks less, as it does once the model explains it."""
+    fast, slow = (
+        level / QUIETER if level > QUIETER * NOTHING * levels.reading else 0.0
+        for level in (levels.fast, levels.slow)
+    )
+    return levels._replace(fast=fast, slow=slow)
 
 
 def mean_logarithm(values: FloatArray) -> float:

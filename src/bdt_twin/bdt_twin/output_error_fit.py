@@ -11,8 +11,9 @@ from bdt_twin.block_residual import BlockResidual
 from bdt_twin.cramer_rao import fisher_information
 from bdt_twin.fit_doubt import covariance_inflation, huber_weights
 from bdt_twin.fit_result import Fit
-from bdt_twin.fixed_order import dot, mean, product, solution, total, weighted_products
+from bdt_twin.fixed_order import dot, mean, product, total, weighted_products
 from bdt_twin.forward_model import StretchResponse
+from bdt_twin.information import inverse, solved
 from bdt_twin.innovations import DeviationModel, NoiseLevels, Whitening
 from bdt_twin.machine_knowledge import EFFECT_SPREAD, EFFECTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS
@@ -138,7 +139,9 @@ class WindowFit:
             else:
                 if number == 1:
                     levels = _unpushed_levels(point, levels)
-                levels, error = self._levels(point, levels, 1)
+                # A machine without noise so far is given the chance that the gap explains all.
+                is_noisy = number == 1 and any(levels[1:])
+                levels, error = self._levels(point, levels, MOST_LEVELS if is_noisy else 1)
                 if simulated >= patience and error > enough:
                     break
                 whitening = point.whitening(levels, PUSHED)
@@ -185,9 +188,7 @@ class WindowFit:
         jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))
         weights = huber_weights(whitening.innovations)
         information = fisher_information(jacobian, weights) + self._prior_at(point.unknowns)
-        return _solved(
-            information, self._gradient(point, jacobian, weights * whitening.innovations)
-        )
+        return solved(information, self._gradient(point, jacobian, weights * whitening.innovations))
 
     def _gradient(self, point: _Point, jacobian: FloatArray, innovations: FloatArray) -> FloatArray:
         """Return the slope of the log-likelihood with respect to the unknowns."""
@@ -233,8 +234,9 @@ class WindowFit:
             residual,
             error,
             levels,
-            _inverse(told + prior),
-            _solved(told + prior, gradient),
+            prior,
+            inverse(told + prior),
+            solved(told + prior, gradient),
             simulations,
             whitening,
             _evidence(told, prior, gradient, point.unknowns.gaps.size + len(FACTORS)),
@@ -258,27 +260,12 @@ def _evidence(told: FloatArray, prior: FloatArray, gradient: FloatArray, first: 
         place = first + effect
         others = np.delete(np.arange(len(information)), place)
         coupling = information[others, place]
-        solved = _solved(information[np.ix_(others, others)], coupling)
-        own = told[place, place] + 1.0 / (spread * spread) - dot(coupling, solved)
-        slope = gradient[place] - dot(solved, gradient[others])
+        explained = solved(information[np.ix_(others, others)], coupling)
+        own = told[place, place] + 1.0 / (spread * spread) - dot(coupling, explained)
+        slope = gradient[place] - dot(explained, gradient[others])
         if own > 0.0:
             gains[effect] = 0.5 * slope * slope / own
     return gains
-
-
-def _inverse(information: FloatArray, right: FloatArray | None = None) -> FloatArray:
-    """Return the inverse of an information matrix, or its product with a matrix."""
-    scale = 1.0 / np.sqrt(np.diag(information))
-    scaled = information * np.outer(scale, scale) + 1e-12 * np.eye(scale.size)
-    if right is None:
-        return solution(scaled, np.eye(scale.size)) * np.outer(scale, scale)
-    return scale[:, None] * solution(scaled, scale[:, None] * right)
-
-
-def _solved(information: FloatArray, gradient: FloatArray) -> FloatArray:
-    """Return the step to where the gradient vanishes."""
-    step: FloatArray = _inverse(information, gradient[:, None])[:, 0]
-    return step
 
 
 def _unpushed_levels(point: _Point, levels: NoiseLevels) -> NoiseLevels:

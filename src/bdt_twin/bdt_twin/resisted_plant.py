@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bdt_plant.elementary_functions import decaying_exponential
+from bdt_plant.elementary_functions import decaying_exponential, sine_of_turns
 from bdt_plant.lead_screw import contact_side, play
 from bdt_plant.plant import DiscretePlant, PlantState
 from bdt_plant.resisted_motor import ResistedMotor, resisted_motor_step
@@ -19,6 +19,8 @@ from bdt_plant.structure import structure_step
 
 FAST = 4.0
 """Multiples of the Stribeck speed from which on friction is that of a fast motor."""
+COGGED_SPEED = 20.0
+"""Speed from which on cogging is not felt [rad/s]: it changes its sign many times in a second."""
 SHARES_PER_SPEED = 128
 """Values of the share of friction at rest that are known for each Stribeck speed."""
 SHARES = np.array(
@@ -28,6 +30,26 @@ SHARES = np.array(
     ]
 )
 """Stribeck's curve; the line between two values is off by 2e-5."""
+
+
+class Cogs(NamedTuple):
+    """Cogging, a wave of the motor's angle, as currents against forward motion.
+
+    Attributes
+    ----------
+    periods_per_radian : float
+        Periods in one radian; 0 for none.
+    sine, cosine : float
+        Parts of the wave [A].
+    """
+
+    periods_per_radian: float
+    sine: float
+    cosine: float
+
+
+NO_COGS = Cogs(0.0, 0.0, 0.0)
+"""No cogging."""
 
 
 class ResistedPlant(NamedTuple):
@@ -45,6 +67,8 @@ class ResistedPlant(NamedTuple):
         What it feels of the structure.
     stiffness, damping : float
         Those of the structure's lowest beams [N/m, N s/m].
+    cogs : Cogs
+        Cogging of the motor.
     """
 
     plant: DiscretePlant
@@ -53,6 +77,7 @@ class ResistedPlant(NamedTuple):
     load: ScrewLoad
     stiffness: float
     damping: float
+    cogs: Cogs
 
 
 def resisted_plant_step(
@@ -82,6 +107,11 @@ def resisted_plant_step(
         force = screw_force(state, step)
         forward = forward_load(force, state.contact, gap, step.load)
         backward = backward_load(force, state.contact, gap, step.load)
+    load = 0.0
+    if step.cogs.periods_per_radian > 0.0 and abs(speed) < COGGED_SPEED:
+        turns = state.motor.angle * step.cogs.periods_per_radian
+        load = step.cogs.sine * sine_of_turns(turns)
+        load += step.cogs.cosine * sine_of_turns(turns + 0.25)
     middle, motor = speed, state.motor
     # A second time with the friction of the speed in the middle of the sample.
     for _ in range(2 if is_slow else 1):
@@ -89,7 +119,7 @@ def resisted_plant_step(
         if is_slow:
             size += law.excess * slow_share(middle, law.stribeck_speed)
         motor = resisted_motor_step(
-            state.motor, voltage, 0.0, backward + size, forward + size, step.motor
+            state.motor, voltage, load, backward + size, forward + size, step.motor
         )
         if speed * motor.speed <= 0.0:
             break

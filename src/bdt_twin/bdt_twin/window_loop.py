@@ -8,13 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.compilation import compile_with_steps
+from bdt_plant.elementary_functions import sine_of_turns
 from bdt_plant.plant import AT_REST, PlantModel, PlantState, discretize_plant, plant_step
 from bdt_plant.resisted_motor import discretize_resisted_motor
 from bdt_plant.screw_load import ScrewLoad
 from bdt_plant.stribeck import friction_law
 from bdt_plant.structure import DiscreteStructure, StructureState, structure_step
 from bdt_twin.resisted_plant import (
+    COGGED_SPEED,
     FAST,
+    NO_COGS,
     ResistedPlant,
     resisted_plant_step,
     screw_force,
@@ -25,7 +28,8 @@ FloatArray = NDArray[np.float64]
 
 SMALLEST_SPEED = 1e-4
 """Speed of the motor from which on it turns [rad/s]."""
-DRIVES = ("friction", "offset", "gain", "excess", "stribeck_speed", "load")
+COGGING = ("cogging_sine", "cogging_cosine")
+DRIVES = ("friction", "offset", "gain", "excess", "stribeck_speed", "load", *COGGING)
 """What moves the motor, as time integrals since the beginning; see ``StretchResponse.drives``."""
 STEEPEST = 0.8
 """Largest share of the back-EMF's slope that falling friction takes away, as far as slopes go."""
@@ -50,13 +54,12 @@ def compiled_window() -> Any:
             *(types.float64 for _ in range(5)),
             signal,
             signal,
+            signal,
             types.Array(types.float64, 2, "C"),
             types.Array(types.int64, 1, "C"),
         )
 
-    return compile_with_steps(
-        _window_loop, [plant_step, resisted_plant_step, screw_force, slow_share], signature
-    )
+    return compile_with_steps(_window_loop, STEPS, signature)
 
 
 @cache
@@ -74,6 +77,10 @@ def compiled_structure() -> Any:
     return compile_with_steps(_structure_loop, [structure_step], signature)
 
 
+STEPS = (plant_step, resisted_plant_step, screw_force, slow_share, sine_of_turns)
+"""Step functions that the loop over a window calls."""
+
+
 def _model_step() -> ResistedPlant:
     model = PlantModel()
     return ResistedPlant(
@@ -83,6 +90,7 @@ def _model_step() -> ResistedPlant:
         ScrewLoad(0.0, 0.0),
         0.0,
         0.0,
+        NO_COGS,
     )
 
 
@@ -100,13 +108,15 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         smallest_travel: float,
         position: FloatArray,
         relative_angle: FloatArray,
+        motor_angle: FloatArray,
         blocks: FloatArray,
         reversals: NDArray[np.int64],
     ) -> tuple[int, float]:
         _ = sources
         last_side, last_motor, last_sample = 0.0, state.motor.angle, 0.0
-        drives, last_drives, begun = np.zeros(6), np.zeros(6), np.zeros(6)
-        law, is_resisted = step.friction, step.friction.excess > 0.0 or step.load.against > 0.0
+        drives, last_drives, begun = np.zeros(8), np.zeros(8), np.zeros(8)
+        law, cogs = step.friction, step.cogs.periods_per_radian
+        is_resisted = law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
         steepness = 2.0 * law.excess * step.motor.resistance / (law.stribeck_speed * back_emf)
         before = state.theta_d
         direction, extreme, turned_at, found, travel = 0.0, before, 0, 0, 0.0
@@ -145,6 +155,10 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         force = screw_force(state, step)
                         if force * state.contact > 0.0 and speed * state.contact > 0.0:
                             drives[5] += felt * force
+                    if cogs > 0.0 and abs(speed) < COGGED_SPEED:
+                        turns = state.motor.angle * cogs
+                        drives[6] += felt * sine_of_turns(turns)
+                        drives[7] += felt * sine_of_turns(turns + 0.25)
                 angle = state.theta_d
                 if angle != before:
                     last_side = 1.0 if angle > before else -1.0
@@ -167,6 +181,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                     before = angle
                 position[k] = state.structure.q3
                 relative_angle[k] = state.motor.angle - angle
+                motor_angle[k] = state.motor.angle
                 angles += angle
                 sides += last_side
                 motors += last_motor
@@ -174,7 +189,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
             blocks[0, number], blocks[1, number] = part * angles, part * sides
             blocks[2, number], blocks[3, number] = part * motors, part * samples
             blocks[4, number], blocks[5, number], blocks[6, number] = fast, slow, contact
-            for drive in range(6):
+            for drive in range(8):
                 blocks[7 + drive, number] = 0.5 * (begun[drive] + last_drives[drive])
         return found, travel
 

@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.elementary_functions import exponential
+from bdt_plant.elementary_functions import FULL_TURN, exponential
 from bdt_plant.plant import PlantModel
 from bdt_plant.structure import DiscreteStructure, StructureState
+from bdt_twin.effect_slopes import add_drive_slopes
 from bdt_twin.fixed_order import dot, product
 from bdt_twin.forward_model import (
     SlowMotion,
@@ -24,7 +25,7 @@ from bdt_twin.model_factors import (
     FACTORS,
     block_model_with,
 )
-from bdt_twin.resisted_model import resisted_plant_with
+from bdt_twin.resisted_model import resisted_plant_with, with_cogs
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_loop import DRIVES
 
@@ -76,6 +77,8 @@ class WindowModel:
         Sampling rate [Hz].
     block : int
         Samples in a block.
+    cogs : int
+        Periods of the motor's cogging in a turn; 0 for none.
     """
 
     def __init__(
@@ -85,8 +88,9 @@ class WindowModel:
         knots: FloatArray,
         sampling_rate: float,
         block: int,
+        cogs: int = 0,
     ) -> None:
-        self.stretches, self.knots, self.block = stretches, knots, block
+        self.stretches, self.knots, self.block, self.cogs = stretches, knots, block, cogs
         self.block_rate = sampling_rate / block
         self._model, self._rate = model, sampling_rate
         self._blocks = [stretch.voltage.size // block for stretch in stretches]
@@ -112,7 +116,7 @@ class WindowModel:
             kept = slice(skipped, skipped + count * every)
             means = reduce(np.add, voltage[kept].reshape(-1, every).T) / every
             stretches.append(Stretch((first + skipped) // every, means, position[kept][::every]))
-        return WindowModel(self._model, stretches, self.knots, rate, block)
+        return WindowModel(self._model, stretches, self.knots, rate, block, self.cogs)
 
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
         """Simulate each stretch."""
@@ -125,8 +129,8 @@ class WindowModel:
         back_emf = self._model.motor.back_emf_constant / gain
         changes, responses = np.diff(unknowns.gaps), []
         slow = SlowMotion(SLOW_VOLTAGE / back_emf, STANDING_SHARE * friction, back_emf)
-        for stretch, (knots, shares), beginning in zip(
-            self.stretches, self._places, unknowns.initial_conditions, strict=True
+        for number, (stretch, (knots, shares), beginning) in enumerate(
+            zip(self.stretches, self._places, unknowns.initial_conditions, strict=True)
         ):
             gaps = unknowns.gaps[knots] + changes[knots] * shares
             state = initial_state(
@@ -135,8 +139,9 @@ class WindowModel:
                 driving_voltage(float(stretch.voltage[0]) + offset, friction),
                 back_emf,
             )
+            turns = self.cogs * self.screw_turns(unknowns, number)
             run = simulate_stretch(
-                step,
+                with_cogs(step, self.cogs, turns, unknowns.effects),
                 state,
                 stretch.voltage + offset,
                 gaps,
@@ -171,38 +176,44 @@ class WindowModel:
             self._add_play(jacobian[:, columns], first, number, unknowns, run)
             self._add_structure(jacobian[:, columns], first, number, unknowns, run)
             effects = knots + len(FACTORS)
-            self._add_effects(jacobian[effects : effects + len(EFFECTS), columns], unknowns, run)
+            rows = slice(effects, effects + len(EFFECTS))
+            self._add_effects(jacobian[rows, columns], number, unknowns, run)
         return jacobian
 
-    def _add_effects(self, jacobian: FloatArray, unknowns: Unknowns, run: StretchResponse) -> None:
+    def _add_effects(
+        self, jacobian: FloatArray, number: int, unknowns: Unknowns, run: StretchResponse
+    ) -> None:
         """Add the rows of the machine's effects."""
         _, step = self._by_blocks(unknowns.factors)
-        per_volt = self._travel_per_volt(unknowns)
-        at_rest, moved = StructureState(0.0, 0.0, 0.0, 0.0), np.abs(run.side)
-        excess = float(unknowns.effects[EFFECTS.index("excess_voltage")])
-        for name, drive, sign in (
-            ("friction_voltage", "friction", -1.0),
-            ("voltage_offset", "offset", 1.0),
-            ("excess_voltage", "excess", -1.0),
-            ("stribeck_speed", "stribeck_speed", -excess),
-            ("load_voltage", "load", -1.0),
-        ):
-            if sign != 0.0:
-                turned = sign * per_volt * run.drives[DRIVES.index(drive)] * moved
-                jacobian[EFFECTS.index(name)] = simulate_structure(step, at_rest, turned)
+        turns = self.cogs * self.screw_turns(unknowns, number)
+        per_volt = self.travel_per_volt(unknowns)
+        moved = np.abs(run.side)
+        add_drive_slopes(jacobian, unknowns.effects, run.drives, turns, per_volt * moved, step)
         # The readings' own slope differs from the position's by what delay and drift add.
         slope = self._slope(run.position) - unknowns.effects[EFFECTS.index("drift")]
         jacobian[EFFECTS.index("delay")] = -slope.reshape(-1, self.block).mean(axis=1)
-        jacobian[EFFECTS.index("drift")] = (
-            np.arange(run.side.size) + 0.5 - 0.5 / self.block
-        ) / self.block_rate
+        blocks = np.arange(run.side.size)
+        jacobian[EFFECTS.index("drift")] = (blocks + 0.5 - 0.5 / self.block) / self.block_rate
+
+    def block_step(self, unknowns: Unknowns) -> DiscreteStructure:
+        """Return the structure's model from block to block."""
+        return self._by_blocks(unknowns.factors)[1]
+
+    def screw_turns(self, unknowns: Unknowns, number: int) -> float:
+        """Return how often the screw has turned when a stretch begins, from the reading there."""
+        offset = float(unknowns.initial_conditions[number, INITIAL_CONDITION.index("offset")])
+        return offset / (FULL_TURN * self._model.lead_screw.pitch)
+
+    def with_cogs(self, cogs: int) -> "WindowModel":
+        """Return the window of a motor with so many periods of cogging in a turn."""
+        return WindowModel(self._model, self.stretches, self.knots, self._rate, self.block, cogs)
 
     def deviation_model(
         self, unknowns: Unknowns, responses: list[StretchResponse]
     ) -> DeviationModel:
         """Return the system that noise drives over the window, for a simulation of it."""
         motions = [Motion(run.fast, run.slow, run.contact) for run in responses]
-        _, step = self._by_blocks(unknowns.factors)
+        step = self.block_step(unknowns)
         return DeviationModel(step, 1.0 / self.block_rate, motions)
 
     def reversals(self, responses: list[StretchResponse]) -> list[int]:
@@ -212,10 +223,10 @@ class WindowModel:
 
     def friction_travel(self, unknowns: Unknowns) -> float:
         """Return the speed of the screw for the voltage that friction takes [m/s]."""
-        per_volt = self._travel_per_volt(unknowns)
+        per_volt = self.travel_per_volt(unknowns)
         return per_volt * float(unknowns.effects[EFFECTS.index("friction_voltage")])
 
-    def _travel_per_volt(self, unknowns: Unknowns) -> float:
+    def travel_per_volt(self, unknowns: Unknowns) -> float:
         """Return the speed of the screw for a volt [m/(V s)]; the motor settles in milliseconds."""
         gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
         return self._model.lead_screw.pitch * gain / self._model.motor.back_emf_constant
