@@ -5,6 +5,7 @@ so at any time its angle is that of the motor at the last contact, less or plus 
 that time: between contacts nothing depends on the gap.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -199,3 +200,8 @@ def initial_state(
     """
     motor = MotorState(0.0, voltage / back_emf, relative_angle)
     return PlantState(motor, 0.0, 0, structure)
+
+
+def driving_voltage(voltage: float, friction: float) -> float:
+    """Return what of a voltage [V] is left beside the friction's."""
+    return math.copysign(max(abs(voltage) - friction, 0.0), voltage)

@@ -42,7 +42,7 @@ MOST_LEVELS = 8
 """Levels of noise to try at the end of a fit."""
 FRICTION_VARIATION = 3e-4
 """Share of its friction by which a motor's friction differs from second to second [s^0.5]."""
-MOST_SEARCHES = 2
+MOST_SEARCHES = 3
 """Searches for levels of noise at the end of a fit."""
 LEVELS_AGREE = 0.998
 """Ratio of prediction errors from which on other levels of noise are not worth another step."""
@@ -176,12 +176,13 @@ class WindowFit:
         return _Point(unknowns, responses, residual, deviation)
 
     def _levels(self, point: _Point, levels: NoiseLevels, most: int) -> FittedLevels:
+        friction = float(point.unknowns.effects[EFFECTS.index("friction_voltage")])
         return fitted_levels(
             lambda tried: point.whitening(tried, PUSHED),
             point.residual,
             levels,
             most,
-            FRICTION_VARIATION * self._window.friction_travel(point.unknowns),
+            FRICTION_VARIATION * friction * self._window.travel_per_volt(point.unknowns),
         )
 
     def _step(self, point: _Point, whitening: Whitening) -> FloatArray:

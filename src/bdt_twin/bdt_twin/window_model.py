@@ -1,6 +1,5 @@
 """Position over a window as a function of what is unknown about the mechanism, and its Jacobian."""
 
-import math
 from functools import reduce
 from typing import NamedTuple
 
@@ -15,6 +14,7 @@ from bdt_twin.fixed_order import dot, product
 from bdt_twin.forward_model import (
     SlowMotion,
     StretchResponse,
+    driving_voltage,
     initial_state,
     simulate_stretch,
     simulate_structure,
@@ -55,11 +55,6 @@ class Stretch(NamedTuple):
     first: int
     voltage: FloatArray
     position: FloatArray
-
-
-def driving_voltage(voltage: float, friction: float) -> float:
-    """Return what of a voltage [V] is left beside the friction's."""
-    return math.copysign(max(abs(voltage) - friction, 0.0), voltage)
 
 
 class WindowModel:
@@ -220,11 +215,6 @@ class WindowModel:
         """Return the numbers of the samples at which the screw began to move the other way."""
         pairs = zip(self.stretches, responses, strict=True)
         return [stretch.first + sample for stretch, run in pairs for sample in run.reversals]
-
-    def friction_travel(self, unknowns: Unknowns) -> float:
-        """Return the speed of the screw for the voltage that friction takes [m/s]."""
-        per_volt = self.travel_per_volt(unknowns)
-        return per_volt * float(unknowns.effects[EFFECTS.index("friction_voltage")])
 
     def travel_per_volt(self, unknowns: Unknowns) -> float:
         """Return the speed of the screw for a volt [m/(V s)]; the motor settles in milliseconds."""
