@@ -57,8 +57,8 @@ CASES = {"paper": ("paper", {}), "laboratory": ("laboratory", {}), "harsh": ("la
 
 DIGESTS = {
     "paper": "86982255de2973a01f084118fc8da64411f8282c6bf96c5512c1ee828a9d95f0",
-    "laboratory": "6fe97e2c30fae3494d7a330742f25a6cb2e61870db09e743441ae59ef4eca24d",
-    "harsh": "41e424594fea021622d4af8271e411275629e98e1ff411a7d5d07cc5f2a789c0",
+    "laboratory": "686f841fd9146302121d4bfe5cbfa9d667f06fa250edef96a59cda4ad1201d10",
+    "harsh": "b7ca1f6d3e0aa447d30feb5b876db15fa85cde7ac729964cedaf8ee11b2e609b",
 }
 """SHA-256 of 30 simulated seconds: voltage, position, reading, dead zone and estimates."""
 

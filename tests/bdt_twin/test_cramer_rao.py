@@ -7,6 +7,7 @@ import pytest
 
 from bdt_plant.plant import PlantModel
 from bdt_twin.cramer_rao import cramer_rao_bound, fisher_information
+from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_model import Stretch, WindowModel
@@ -31,7 +32,8 @@ def truth(degrees=10.0):
 def test_the_bound_is_that_of_all_samples_and_slopes_by_differences(closed_loop):
     window, unknowns = window_of(closed_loop().rows), truth()
     vector, jacobian = unknowns.as_vector(), []
-    directions = np.eye(vector.size)[KNOTS.size :]
+    effects = KNOTS.size + len(FACTORS) + np.arange(len(EFFECTS))
+    directions = np.delete(np.eye(vector.size), [*range(KNOTS.size), *effects], axis=0)
     level, growth = np.zeros((2, vector.size))
     level[: KNOTS.size], growth[: KNOTS.size] = 1.0, KNOTS - TIME
     for direction in [level, growth, *directions]:

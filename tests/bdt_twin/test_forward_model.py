@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bdt_plant import compilation
-from bdt_plant.plant import AT_REST, PlantModel, discretize_plant
+from bdt_plant.plant import AT_REST, PlantModel
 from bdt_plant.structure import StructureState, discretize_structure
 from bdt_twin.forward_model import (
     SMALLEST_TRAVEL,
@@ -13,11 +13,14 @@ from bdt_twin.forward_model import (
     simulate_stretch,
     simulate_structure,
 )
+from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.model_factors import FACTORS
+from bdt_twin.resisted_model import resisted_plant_with
 from bdt_twin.window_loop import compiled_structure, compiled_window
 
 RATE, BLOCK = 1000.0, 5
-STEP = discretize_plant(PlantModel(), 1 / RATE)
-SLOW = SlowMotion(speed=5.0, standing_voltage=0.0)
+STEP = resisted_plant_with(PlantModel(), np.zeros(len(FACTORS)), np.zeros(len(EFFECTS)), 1 / RATE)
+SLOW = SlowMotion(speed=5.0, standing_voltage=0.0, back_emf=0.1)
 
 
 def run_from_rest(loop):

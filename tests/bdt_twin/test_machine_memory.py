@@ -4,17 +4,30 @@ import numpy as np
 import pytest
 
 from bdt_plant.motor import MotorParameters
+from bdt_twin.cogging_search import CoggingEvidence
+from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import ABSENT, EFFECT_SPREAD, EFFECTS, MachineKnowledge
-from bdt_twin.machine_memory import EVIDENCE, MachineMemory
+from bdt_twin.machine_memory import (
+    COGGING_EVIDENCE,
+    EVIDENCE,
+    PLAUSIBLE,
+    SEARCH_EVERY,
+    WITH_FRICTION,
+    MachineMemory,
+)
 from bdt_twin.model_factors import FACTORS
 
 FRICTION, OFFSET = (len(FACTORS) + EFFECTS.index(name) for name in EFFECTS[:2])
 COUNT = len(FACTORS) + len(EFFECTS)
 
 
-def told(offset=0.0, spread=1e-3):
+NO_EVIDENCE = np.zeros(len(EFFECTS))
+RESTLESS, AT_REST = NoiseLevels(1e-6, slow=1e-4), NoiseLevels(1e-6, slow=1e-7)
+
+
+def told(offset=0.0, spread=1e-3, friction=0.0):
     expected = np.zeros(COUNT)
-    expected[OFFSET] = offset
+    expected[OFFSET], expected[FRICTION] = offset, friction
     return MachineKnowledge(expected, spread**2 * np.eye(COUNT))
 
 
@@ -28,18 +41,18 @@ def spread_of(known, place):
 
 def test_a_machine_has_no_effect_before_there_is_evidence():
     memory = MachineMemory(MotorParameters())
-    assert not memory.has_evidence(evidence_of("voltage_offset", EVIDENCE))
+    assert not memory.has_evidence(evidence_of("voltage_offset", EVIDENCE), told())
     assert spread_of(memory.before(0.0), OFFSET) == pytest.approx(ABSENT * EFFECT_SPREAD[1])
 
 
 def test_evidence_makes_one_effect_at_a_time_an_unknown():
     memory = MachineMemory(MotorParameters())
     both = evidence_of("voltage_offset", 9.0) + evidence_of("friction_voltage", 20.0)
-    assert memory.has_evidence(both)
+    assert memory.has_evidence(both, told())
     assert spread_of(memory.before(0.0), FRICTION) == pytest.approx(EFFECT_SPREAD[0])
     assert spread_of(memory.before(0.0), OFFSET) == pytest.approx(ABSENT * EFFECT_SPREAD[1])
-    assert memory.has_evidence(both)
-    assert not memory.has_evidence(both)
+    assert memory.has_evidence(both, told())
+    assert not memory.has_evidence(both, told())
 
 
 def test_friction_of_the_model_is_an_unknown_from_the_beginning():
@@ -49,9 +62,54 @@ def test_friction_of_the_model_is_an_unknown_from_the_beginning():
     assert spread_of(known, FRICTION) == pytest.approx(EFFECT_SPREAD[0])
 
 
+@pytest.mark.parametrize(
+    ("friction", "spread", "is_certain"),
+    [(0.15, 1e-3, True), (0.15, 0.05, False), (0.01, 1e-6, False)],
+)
+def test_a_motor_with_certain_friction_has_all_that_friction_has(friction, spread, is_certain):
+    memory = MachineMemory(MotorParameters())
+    memory.has_evidence(evidence_of("friction_voltage", 20.0), told())
+    joined = memory.has_evidence(NO_EVIDENCE, told(friction=friction, spread=spread))
+    assert joined == is_certain
+    known = memory.before(0.0)
+    for name in WITH_FRICTION:
+        place = EFFECTS.index(name)
+        expected = EFFECT_SPREAD[place] * (1.0 if is_certain else ABSENT)
+        assert spread_of(known, len(FACTORS) + place) == pytest.approx(expected)
+    assert not memory.has_evidence(NO_EVIDENCE, told(friction=friction, spread=spread))
+
+
+def test_cogging_is_looked_for_where_the_motor_walks_now_and_then():
+    memory = MachineMemory(MotorParameters())
+    assert not memory.looks_for_cogging(AT_REST)
+    looked = [memory.looks_for_cogging(RESTLESS) for _ in range(2 * SEARCH_EVERY)]
+    assert sum(looked) == 2
+    assert looked[0]
+
+
+def test_cogging_joins_on_evidence_with_its_number_of_periods():
+    memory = MachineMemory(MotorParameters())
+    assert not memory.has_cogging(CoggingEvidence(23, COGGING_EVIDENCE))
+    assert memory.cogs == 0
+    assert memory.has_cogging(CoggingEvidence(24, COGGING_EVIDENCE + 1.0))
+    assert memory.cogs == 24
+    assert not any(memory.looks_for_cogging(RESTLESS) for _ in range(2 * SEARCH_EVERY))
+    for name in ("cogging_sine", "cogging_cosine"):
+        place = EFFECTS.index(name)
+        assert spread_of(memory.before(0.0), len(FACTORS) + place) == EFFECT_SPREAD[place]
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_a_constant_that_no_machine_has_is_named(name):
+    memory, machine, place = MachineMemory(MotorParameters()), told(), EFFECTS.index(name)
+    for share, named in ((0.9, ""), (1.1, name.replace("_", " "))):
+        machine.expected[len(FACTORS) + place] = share * PLAUSIBLE * EFFECT_SPREAD[place]
+        assert memory.implausible(machine) == named
+
+
 def test_only_windows_that_have_ended_before_count():
     memory = MachineMemory(MotorParameters())
-    memory.has_evidence(evidence_of("voltage_offset", 9.0))
+    memory.has_evidence(evidence_of("voltage_offset", 9.0), told())
     memory.learn(20.0, told(0.02))
     memory.learn(21.0, told(0.03))
     assert memory.before(20.0).expected[OFFSET] == 0.0
@@ -62,13 +120,13 @@ def test_only_windows_that_have_ended_before_count():
 def test_an_effect_found_later_was_not_told_of_before():
     memory = MachineMemory(MotorParameters())
     memory.learn(20.0, told(spread=1e-9))
-    memory.has_evidence(evidence_of("voltage_offset", 9.0))
+    memory.has_evidence(evidence_of("voltage_offset", 9.0), told())
     assert spread_of(memory.before(25.0), OFFSET) == pytest.approx(EFFECT_SPREAD[1])
 
 
 def test_what_was_told_makes_nothing_less_sure_than_nothing_told():
     memory = MachineMemory(MotorParameters())
-    memory.has_evidence(evidence_of("voltage_offset", 9.0))
+    memory.has_evidence(evidence_of("voltage_offset", 9.0), told())
     first = memory.before(0.0).covariance
     memory.learn(20.0, told(spread=10.0))
     assert (np.diag(memory.before(1e6).covariance) <= np.diag(first) * (1 + 1e-12)).all()

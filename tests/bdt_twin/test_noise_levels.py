@@ -8,7 +8,14 @@ import pytest
 from machine_noise import LEVELS, random_motion, simulated, whitening
 
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.noise_levels import fitted_levels, mean_logarithm, robust_deviation
+from bdt_twin.noise_levels import (
+    QUIETER,
+    fitted_levels,
+    is_restless,
+    mean_logarithm,
+    quiet,
+    robust_deviation,
+)
 
 
 def found_levels(motion, levels, seed, first=None):
@@ -92,3 +99,26 @@ def test_outliers_hardly_change_the_robust_deviation():
     values[::100] = 1e6
     assert robust_deviation(values) == pytest.approx(2.0, rel=0.08)
     assert robust_deviation(np.zeros(5)) > 0.0
+
+
+def test_no_walk_is_found_smaller_than_the_least():
+    residual, motion = np.random.default_rng(3).normal(scale=2e-6, size=3000), random_motion(3000)
+    found = fitted_levels(
+        lambda tried: whitening([motion], tried, residual),
+        residual,
+        NoiseLevels(3e-6, 0.0, 1e-5, 0.0),
+        100,
+        1e-6,
+    )
+    assert found.levels.slow == pytest.approx(1e-6)
+    assert found.levels.reading == pytest.approx(2e-6, rel=0.06)
+
+
+def test_a_motor_that_is_made_quiet_walks_less_or_not_at_all():
+    levels = NoiseLevels(1e-6, 1e-4, 1e-7, 3e-6)
+    assert is_restless(levels)
+    made = quiet(levels)
+    assert made.fast == levels.fast / QUIETER
+    assert made.slow == 0.0
+    assert made._replace(fast=levels.fast, slow=levels.slow) == levels
+    assert not is_restless(NoiseLevels(1e-6, 1e-6, 1e-6, 1e-3))

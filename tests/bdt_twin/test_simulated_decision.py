@@ -13,7 +13,7 @@ from bdt_twin import simulated_outcome
 from bdt_twin.decision_loop import simulate_steps
 from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate
-from bdt_twin.machine_knowledge import first_knowledge
+from bdt_twin.machine_knowledge import EFFECTS, first_knowledge
 from bdt_twin.simulated_decision import (
     NARROWER,
     SIMULATED,
@@ -57,10 +57,10 @@ def test_with_gains_for_the_mechanism_much_less_than_eq_9_does():
 
 
 def test_who_knows_less_of_the_mechanism_decides_on_no_narrower_dead_zone():
-    sure = first_knowledge(MODEL.motor).without(range(4))
+    sure = first_knowledge(MODEL.motor).without(range(len(EFFECTS)))
     covariances = (
-        np.diag(np.square([1e-3, 1e-3, 1e-3, 0, 0, 0, 0])),
-        np.diag(np.square([0.05, 0.03, 0.2, 0, 0, 0, 0])),
+        np.diag(np.square([*spread, *np.zeros(len(EFFECTS))]))
+        for spread in ((1e-3, 1e-3, 1e-3), (0.05, 0.03, 0.2))
     )
     known, unknown = (
         decide(decider(), machine=sure._replace(covariance=covariance))

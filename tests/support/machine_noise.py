@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from bdt_plant.structure import StructureParameters, discretize_structure
-from bdt_twin.innovations import Motion, NoiseLevels, Whitening
+from bdt_twin.innovations import DeviationModel, Motion, NoiseLevels, Whitening
 
 BLOCK_TIME = 5e-3
 STEP = discretize_structure(StructureParameters(), BLOCK_TIME)
@@ -66,4 +66,5 @@ def simulated(motion, levels, seed):
 
 
 def whitening(motions, levels, residual, threshold=math.inf):
-    return Whitening(STEP, BLOCK_TIME, motions, levels, residual, threshold)
+    model = DeviationModel(STEP, BLOCK_TIME, motions)
+    return Whitening(model, levels, residual, threshold)

@@ -61,9 +61,11 @@ def cramer_rao_bound(window: WindowModel, unknowns: Unknowns, time: float, noise
     """
     jacobian = window.jacobian(unknowns, window.simulate(unknowns))
     knots = window.knots.size
-    # Gap and growth move all knots.
+    beginnings = knots + unknowns.factors.size + unknowns.effects.size
+    # Gap and growth move all knots; effects that the mechanism has not are none of the unknowns.
     even = np.stack([np.ones(knots), window.knots - time])
-    reduced = np.vstack([even @ jacobian[:knots], jacobian[knots:]])
+    factors = jacobian[knots : knots + unknowns.factors.size]
+    reduced = np.vstack([even @ jacobian[:knots], factors, jacobian[beginnings:]])
     weights = np.full(jacobian.shape[1], window.block / noise**2)
     information = fisher_information(reduced, weights)
     scale = np.sqrt(np.diag(information))

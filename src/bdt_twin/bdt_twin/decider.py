@@ -13,7 +13,7 @@ from bdt_twin.decision_loop import compiled_steps
 from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.machine_knowledge import MachineKnowledge
-from bdt_twin.output_error import AcceptedFit
+from bdt_twin.next_fit import AcceptedFit
 from bdt_twin.simulated_decision import ControllerGains, Decision, SimulatedDecision
 
 FloatArray = NDArray[np.float64]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_twin.forward_model import StretchResponse
-from bdt_twin.innovations import NoiseLevels
+from bdt_twin.innovations import NoiseLevels, Whitening
 from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.unknowns import Unknowns
 
@@ -29,6 +29,8 @@ class Fit:
         Geometric mean of the standard deviations of the innovations [m].
     levels : NoiseLevels
         What of the residual is noise of the reading, and what of the machine.
+    prior : ndarray, shape (unknowns, unknowns)
+        Inverse covariance of the unknowns before any data.
     covariance : ndarray, shape (unknowns, unknowns)
         Covariance of the unknowns.
     pending : ndarray, shape (unknowns,)
@@ -36,11 +38,9 @@ class Fit:
         made the fit better.
     simulations : int
         Simulations made.
-    innovations : ndarray, shape (blocks,)
-        Innovations over their standard deviations.
-    pushed : ndarray, shape (blocks,)
-        One where something pushed a platform, else zero.
-    evidence : ndarray, shape (4,)
+    whitening : Whitening
+        The filter that makes innovations of the residual.
+    evidence : ndarray, shape (effects,)
         Gain of log-likelihood by each of ``EFFECTS`` that the machine is thought not to have.
     """
 
@@ -49,12 +49,22 @@ class Fit:
     residual: float
     prediction_error: float
     levels: NoiseLevels
+    prior: FloatArray
     covariance: FloatArray
     pending: FloatArray
     simulations: int
-    innovations: FloatArray
-    pushed: FloatArray
+    whitening: Whitening
     evidence: FloatArray
+
+    @property
+    def innovations(self) -> FloatArray:
+        """Innovations over their standard deviations, shape (blocks,)."""
+        return self.whitening.innovations
+
+    @property
+    def pushed(self) -> FloatArray:
+        """One where something pushed a platform, else zero, shape (blocks,)."""
+        return self.whitening.pushed
 
     @property
     def gap_covariance(self) -> FloatArray:

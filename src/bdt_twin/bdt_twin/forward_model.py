@@ -5,15 +5,17 @@ so at any time its angle is that of the motor at the last contact, less or plus 
 that time: between contacts nothing depends on the gap.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.motor import MotorState
-from bdt_plant.plant import DiscretePlant, PlantState
+from bdt_plant.plant import PlantState
 from bdt_plant.structure import DiscreteStructure, StructureState
-from bdt_twin.window_loop import compiled_structure, compiled_window
+from bdt_twin.resisted_plant import ResistedPlant
+from bdt_twin.window_loop import DRIVES, compiled_structure, compiled_window
 
 FloatArray = NDArray[np.float64]
 
@@ -41,13 +43,18 @@ class StretchResponse(NamedTuple):
         Mean index of the sample of the last contact.
     relative_angle : ndarray, shape (n,)
         Angle of the motor less that of the screw [rad].
+    motor_angle : ndarray, shape (n,)
+        Angle of the motor [rad].
     reversals : list of int
         Samples at which the screw began to move the other way.
     travel : float
         Angle over which the screw moved [rad].
-    turning, turned : ndarray, shape (blocks,)
-        Mean time for which the motor had turned up to the last contact, and the same with forward
-        less backward [s].
+    drives : ndarray, shape (drives, blocks)
+        Mean of time integrals over the motion of the motor up to the last contact: by how much
+        a voltage [s] against the motion and one forward, a relative change of the gain beyond the
+        motor's own angle [rad], an excess of friction at rest as a voltage [s], a relative change
+        of the Stribeck speed per that excess [s], a load as a voltage per force [N s], and the
+        parts of cogging [s] turn the motor, per what a motor turns in a second for a volt.
     fast, slow : ndarray, shape (blocks,)
         Time in each block for which the motor turns fast, and slowly or nearly so [s].
     contact : ndarray, shape (blocks,)
@@ -60,10 +67,10 @@ class StretchResponse(NamedTuple):
     motor: FloatArray
     sample: FloatArray
     relative_angle: FloatArray
+    motor_angle: FloatArray
     reversals: list[int]
     travel: float
-    turning: FloatArray
-    turned: FloatArray
+    drives: FloatArray
     fast: FloatArray
     slow: FloatArray
     contact: FloatArray
@@ -78,14 +85,17 @@ class SlowMotion(NamedTuple):
         Speed below which the motor turns slowly [rad/s].
     standing_voltage : float
         Voltage from which on a motor that stands still may yet turn [V].
+    back_emf : float
+        Back-EMF constant k_B [V s/rad].
     """
 
     speed: float
     standing_voltage: float
+    back_emf: float
 
 
 def simulate_stretch(
-    step: DiscretePlant,
+    step: ResistedPlant,
     state: PlantState,
     voltage: FloatArray,
     gaps: FloatArray,
@@ -97,7 +107,7 @@ def simulate_stretch(
 
     Parameters
     ----------
-    step : DiscretePlant
+    step : ResistedPlant
         Discrete model of the plant.
     state : PlantState
         State at the first sample.
@@ -113,8 +123,8 @@ def simulate_stretch(
         When the motor turns slowly.
     """
     count = voltage.size // block
-    position, relative_angle = np.empty(voltage.size), np.empty(voltage.size)
-    blocks = np.zeros((9, count))
+    position, relative_angle, motor_angle = np.empty((3, voltage.size))
+    blocks = np.zeros((7 + len(DRIVES), count))
     reversals = np.zeros(MOST_REVERSALS, dtype=np.int64)
     found, travel = compiled_window()(
         step,
@@ -125,13 +135,15 @@ def simulate_stretch(
         sample_time,
         motion.speed,
         motion.standing_voltage,
+        motion.back_emf,
         SMALLEST_TRAVEL,
         position,
         relative_angle,
+        motor_angle,
         blocks,
         reversals,
     )
-    screw, side, motor, sample, turning, turned, fast, slow, contact = blocks
+    screw, side, motor, sample, fast, slow, contact = blocks[:7]
     order = range(max(found - MOST_REVERSALS, 0), found)
     noted = [int(reversals[n % MOST_REVERSALS]) for n in order]
     return StretchResponse(
@@ -141,10 +153,10 @@ def simulate_stretch(
         motor,
         sample,
         relative_angle,
+        motor_angle,
         noted,
         travel,
-        turning,
-        turned,
+        blocks[7:],
         fast,
         slow,
         contact,
@@ -188,3 +200,8 @@ def initial_state(
     """
     motor = MotorState(0.0, voltage / back_emf, relative_angle)
     return PlantState(motor, 0.0, 0, structure)
+
+
+def driving_voltage(voltage: float, friction: float) -> float:
+    """Return what of a voltage [V] is left beside the friction's."""
+    return math.copysign(max(abs(voltage) - friction, 0.0), voltage)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.compilation import compile_loop
+from bdt_plant.compilation import GIVEN, WRITTEN, compile_loop
 
 FloatArray = NDArray[np.float64]
 
@@ -23,23 +23,21 @@ LARGEST_PUSH = 0.1
 @cache
 def compiled_gains() -> Any:
     """Return the recursion of the filter's covariance, compiled."""
-    given = "Array(float64, 1, 'C', readonly=True)"
     matrix = "Array(float64, 2, 'C', readonly=True)"
     return compile_loop(
         _filter_gains,
-        f"void({matrix}, {given}, {given}, {given}, {given}, float64, float64, float64, "
-        "Array(float64, 2, 'C'), Array(float64, 1, 'C'), Array(float64, 1, 'C'))",
+        f"void({matrix}, {GIVEN}, {GIVEN}, {GIVEN}, {GIVEN}, float64, float64, float64, "
+        f"Array(float64, 2, 'C'), {WRITTEN}, {WRITTEN}, {WRITTEN})",
     )
 
 
 @cache
 def compiled_innovations() -> Any:
     """Return the filter itself, compiled."""
-    given = "Array(float64, 1, 'C', readonly=True)"
     matrix = "Array(float64, 2, 'C', readonly=True)"
     return compile_loop(
         _innovations,
-        f"void({matrix}, {given}, {given}, {matrix}, Array(float64, 2, 'A', readonly=True), "
+        f"void({matrix}, {GIVEN}, {GIVEN}, {matrix}, Array(float64, 2, 'A', readonly=True), "
         "Array(float64, 2, 'C'))",
     )
 
@@ -56,6 +54,7 @@ def _filter_gains(  # noqa: PLR0912 - a compiled loop calls no function
     gains: FloatArray,
     variances: FloatArray,
     pushed: FloatArray,
+    innovations: FloatArray,
 ) -> None:
     state, expected = np.zeros(6), np.zeros(6)
     covariance, moved = np.zeros((6, 6)), np.zeros((6, 6))
@@ -112,7 +111,7 @@ def _filter_gains(  # noqa: PLR0912 - a compiled loop calls no function
                         step[i, 1] * step[j, 1] + step[i, 3] * step[j, 3]
                     )
             variance = covariance[2, 2] + reading
-        variances[k] = variance
+        variances[k], innovations[k] = variance, innovation
         for i in range(6):
             gains[k, i] = covariance[i, 2] / variance
             state[i] = expected[i] + gains[k, i] * innovation

@@ -66,8 +66,8 @@ class Motion(NamedTuple):
     contact: FloatArray
 
 
-class Whitening:
-    """The filter of one window.
+class DeviationModel:
+    """The system that noise drives, over one window.
 
     Parameters
     ----------
@@ -77,6 +77,42 @@ class Whitening:
         Duration of a block [s].
     motions : sequence of Motion
         One for each stretch.
+
+    Attributes
+    ----------
+    step : ndarray, shape (4, 6)
+        The structure's model.
+    block_time : float
+        Duration of a block [s].
+    begins, contact : ndarray, shape (blocks,)
+        One where a stretch begins, and where the motor moves the screw; else zero.
+    """
+
+    def __init__(
+        self, step: DiscreteStructure, block_time: float, motions: Sequence[Motion]
+    ) -> None:
+        self.step, self.block_time = np.array(step), block_time
+        self._fast, self._slow, self.contact = (
+            np.concatenate(parts) for parts in zip(*motions, strict=True)
+        )
+        self.begins = np.zeros(self.contact.size)
+        self.begins[np.cumsum([0] + [motion.contact.size for motion in motions[:-1]])] = 1.0
+
+    def walk(self, levels: NoiseLevels) -> FloatArray:
+        """Return the variance of the motor's walk in each block [m^2]."""
+        walk: FloatArray = (
+            levels.fast * levels.fast * self._fast + levels.slow * levels.slow * self._slow
+        )
+        return walk
+
+
+class Whitening:
+    """The filter of one window.
+
+    Parameters
+    ----------
+    model : DeviationModel
+        What the noise drives.
     levels : NoiseLevels
         Noise.
     residual : ndarray, shape (blocks,)
@@ -89,46 +125,43 @@ class Whitening:
     ----------
     deviations : ndarray, shape (blocks,)
         Standard deviation of each innovation [m].
+    innovations : ndarray, shape (blocks,)
+        Innovations of the residual over their standard deviations.
     pushed : ndarray, shape (blocks,)
         One where something pushed a platform, else zero.
     """
 
     def __init__(
         self,
-        step: DiscreteStructure,
-        block_time: float,
-        motions: Sequence[Motion],
+        model: DeviationModel,
         levels: NoiseLevels,
         residual: FloatArray,
         threshold: float = math.inf,
     ) -> None:
-        self._step = np.array(step)
-        self._contact = np.concatenate([motion.contact for motion in motions])
-        walk = np.concatenate(
-            [
-                levels.fast * levels.fast * motion.fast + levels.slow * levels.slow * motion.slow
-                for motion in motions
-            ]
-        )
-        self._begins = np.zeros(walk.size)
-        starts = np.cumsum([0] + [motion.contact.size for motion in motions[:-1]])
-        self._begins[starts] = 1.0
-        self._gains = np.empty((walk.size, STATES))
-        variances, self.pushed = np.empty(walk.size), np.zeros(walk.size)
+        self._model, self._residual, self._threshold = model, residual, threshold
+        count = residual.size
+        self._gains = np.empty((count, STATES))
+        variances, self.pushed, self.innovations = np.empty(count), np.zeros(count), np.empty(count)
         compiled_gains()(
-            self._step,
-            self._begins,
-            self._contact,
-            walk,
+            model.step,
+            model.begins,
+            model.contact,
+            model.walk(levels),
             residual,
-            levels.force * levels.force * block_time,
+            levels.force * levels.force * model.block_time,
             levels.reading * levels.reading,
             threshold,
             self._gains,
             variances,
             self.pushed,
+            self.innovations,
         )
         self.deviations: FloatArray = np.sqrt(variances)
+        self.innovations /= self.deviations
+
+    def with_levels(self, levels: NoiseLevels) -> "Whitening":
+        """Return the filter of the same residual for other levels."""
+        return Whitening(self._model, levels, self._residual, self._threshold)
 
     def apply(self, rows: FloatArray) -> FloatArray:
         """Return the innovations over their standard deviations.
@@ -138,7 +171,7 @@ class Whitening:
         rows : ndarray, shape (n, blocks)
             Residuals, or slopes of the position, as block means.
         """
-        found = np.empty(rows.shape)
-        compiled_innovations()(self._step, self._begins, self._contact, self._gains, rows, found)
+        found, model = np.empty(rows.shape), self._model
+        compiled_innovations()(model.step, model.begins, model.contact, self._gains, rows, found)
         found /= self.deviations
         return found

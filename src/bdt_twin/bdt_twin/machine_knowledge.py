@@ -17,23 +17,44 @@ from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
 
-EFFECTS = ("friction_voltage", "voltage_offset", "delay", "drift")
+EFFECTS = (
+    "friction_voltage",
+    "voltage_offset",
+    "delay",
+    "drift",
+    "excess_voltage",
+    "stribeck_speed",
+    "load_voltage",
+    "cogging_sine",
+    "cogging_cosine",
+)
 """What a machine has that the paper's mechanism has not: Coulomb friction as the voltage that it
-takes [V], the voltage that the amplifier adds [V], the age of a reading [s], and the drift of the
-readings [m/s]."""
+takes [V], the voltage that the amplifier adds [V], the age of a reading [s], the drift of the
+readings [m/s], how much more voltage friction takes at rest [V], the natural logarithm of the
+Stribeck speed over ``USUAL_STRIBECK_SPEED``, and the voltage that the motor takes for the force
+with which the structure resists the screw [V/N], and the parts of the motor's cogging as voltages
+against forward motion, waves of its angle [V]."""
 
-EFFECT_LIMITS = np.array([[0.0, -10.0, -0.1, -1.0], [100.0, 10.0, 0.1, 1.0]])
+USUAL_STRIBECK_SPEED = 2.0
+"""Stribeck speed of a motor that nobody has looked at [rad/s]."""
+
+EFFECT_LIMITS = np.array(
+    [
+        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0],
+        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0],
+    ]
+)
 """Smallest and largest values of ``EFFECTS``."""
 
 FACTOR_SPREAD = (0.3, 0.2, 0.7)
 """Standard deviations of the logarithms of ``FACTORS`` of a machine that nobody has looked at."""
-EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6)
+EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03)
 """Standard deviations of its ``EFFECTS``."""
 
 FACTOR_CHANGE_RATE = (5e-4, 5e-4, 5e-3)
 """Random walk of the logarithms of ``FACTORS`` [1/s^0.5]."""
-EFFECT_CHANGE_RATE = (5e-4, 5e-4, 5e-6, 1e-7)
-"""Random walk of ``EFFECTS`` [V/s^0.5, V/s^0.5, s/s^0.5, m/s^1.5]."""
+EFFECT_CHANGE_RATE = (5e-4, 5e-4, 5e-6, 1e-7, 5e-4, 5e-3, 5e-5, 1e-3, 1e-3)
+"""Random walk of ``EFFECTS``, in their units per s^0.5."""
 ABSENT = 1e-6
 """Share of its spread that an effect may have as long as there is no evidence of it."""
 DOUBT = 2.0
@@ -45,9 +66,9 @@ class MachineKnowledge(NamedTuple):
 
     Attributes
     ----------
-    expected : ndarray, shape (7,)
+    expected : ndarray, shape (12,)
         Expected values.
-    covariance : ndarray, shape (7, 7)
+    covariance : ndarray, shape (12, 12)
         Their covariance.
     """
 
@@ -79,7 +100,7 @@ class MachineKnowledge(NamedTuple):
         return self._replace(covariance=covariance)
 
     def precision(self) -> FloatArray:
-        """Return the inverse covariance, shape (7, 7)."""
+        """Return the inverse covariance, shape (12, 12)."""
         scale = 1.0 / np.sqrt(np.diag(self.covariance))
         scaled = self.covariance * np.outer(scale, scale)
         return solution(scaled, np.eye(scale.size)) * np.outer(scale, scale)

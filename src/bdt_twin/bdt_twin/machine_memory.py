@@ -8,13 +8,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.motor import MotorParameters
+from bdt_twin.cogging_search import CoggingEvidence
+from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, first_knowledge
 from bdt_twin.model_factors import FACTORS
+from bdt_twin.noise_levels import is_restless
 
 FloatArray = NDArray[np.float64]
 
 EVIDENCE = 4.0
 """Gain of log-likelihood by an effect that is evidence of it."""
+WITH_FRICTION = ("voltage_offset", "excess_voltage", "stribeck_speed", "load_voltage")
+"""Effects of every motor with friction: friction differs by direction and by speed, and the screw
+has some, too. To leave them out until there is evidence would make the first windows too sure."""
+SMALLEST_FRICTION, FRICTION_COVERAGE = 0.02, 5.0
+"""Voltage [V] and standard uncertainties from which on a motor has friction for certain: cogging
+looks like a little friction, too."""
+COGGING_EVIDENCE = 8.0
+"""Gain of log-likelihood that is evidence of cogging: many numbers of periods are tried."""
+SEARCH_EVERY = 4
+"""Windows from one search for cogging to the next: it takes half as long as a fit."""
+PLAUSIBLE = 4.0
+"""Standard deviations of what is known of any machine within which one is."""
 SMALLEST_OFFSET = 1e-3
 """Voltage [V] up to which an amplifier's offset is none."""
 OFFSET_COVERAGE = 5.0
@@ -45,6 +60,11 @@ class MachineMemory:
     ----------
     motor : MotorParameters
         The motor, as the twin knows it.
+
+    Attributes
+    ----------
+    cogs : int
+        Periods of the motor's cogging in a turn; 0 as long as there is no evidence of any.
     """
 
     def __init__(self, motor: MotorParameters) -> None:
@@ -52,6 +72,7 @@ class MachineMemory:
         self._told: deque[_Told] = deque()
         self._known: _Told | None = None
         self._present = set[int]()
+        self.cogs, self._unsearched = 0, SEARCH_EVERY
         self._has_offset = False
         if motor.coulomb_friction > 0.0:
             self._present.add(EFFECTS.index("friction_voltage"))
@@ -70,20 +91,58 @@ class MachineMemory:
         """Remember what a window has told that ended at a time [s]."""
         self._told.append(_Told(time, machine, frozenset(self._present)))
 
-    def has_evidence(self, evidence: FloatArray) -> bool:
+    def has_evidence(self, evidence: FloatArray, machine: MachineKnowledge) -> bool:
         """Take the absent effect with most evidence for present; tell whether there is one.
 
         Parameters
         ----------
-        evidence : ndarray, shape (4,)
+        machine : MachineKnowledge
+            What the window has told: effects of a motor with friction join with certain friction.
+        evidence : ndarray, shape (effects,)
             Gain of log-likelihood by each of ``EFFECTS``.
         """
+        others = {EFFECTS.index(name) for name in WITH_FRICTION} - self._present
+        if others and self._has_friction(machine):
+            self._present |= others
+            return True
         gains = evidence.copy()
         gains[list(self._present)] = 0.0
         if float(gains.max()) <= EVIDENCE:
             return False
         self._present.add(int(gains.argmax()))
         return True
+
+    def _has_friction(self, machine: MachineKnowledge) -> bool:
+        friction = EFFECTS.index("friction_voltage")
+        place = len(FACTORS) + friction
+        surely = FRICTION_COVERAGE * math.sqrt(float(machine.covariance[place, place]))
+        found = float(machine.expected[place])
+        return friction in self._present and found > max(surely, SMALLEST_FRICTION)
+
+    def looks_for_cogging(self, levels: NoiseLevels) -> bool:
+        """Tell whether it is time to look for cogging in a window with these levels of noise."""
+        if self.cogs or not is_restless(levels):
+            return False
+        self._unsearched += 1
+        if self._unsearched < SEARCH_EVERY:
+            return False
+        self._unsearched = 0
+        return True
+
+    def has_cogging(self, evidence: CoggingEvidence) -> bool:
+        """Take cogging for present if there is evidence of it, and tell whether there is."""
+        if evidence.gain <= COGGING_EVIDENCE:
+            return False
+        self.cogs = evidence.cogs
+        self._present |= {EFFECTS.index("cogging_sine"), EFFECTS.index("cogging_cosine")}
+        return True
+
+    def implausible(self, machine: MachineKnowledge) -> str:
+        """Return the constant that no machine has, as a window tells it; empty if there is none."""
+        known = first_knowledge(self._motor)
+        off = np.abs(machine.expected - known.expected) / np.sqrt(np.diag(known.covariance))
+        most = int(off.argmax())
+        return (*FACTORS, *EFFECTS)[most].replace("_", " ") if off[most] > PLAUSIBLE else ""
 
     def voltage_offset(self, machine: MachineKnowledge) -> VoltageOffset | None:
         """Return the offset of the amplifier, once there is one.

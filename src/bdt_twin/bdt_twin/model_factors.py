@@ -25,6 +25,8 @@ FACTORS = ("gain", "stiffness", "damping")
 
 FACTOR_GRID = 2e-2
 """Spacing of the factors' natural logarithms."""
+MOST_GRIDS, MOST_POINTS = 32, 1024
+"""Models, and points of the grid of each, that are remembered."""
 
 
 def model_with(model: PlantModel, factors: FloatArray) -> PlantModel:
@@ -71,10 +73,11 @@ def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) 
     sample_time : float
         Sample time [s].
     """
-    numbers = _interpolated(lambda point: _plant_numbers(model, point, sample_time), factors)
+    grid = _plant_grid(model, sample_time)
+    numbers = grid.numbers_at(factors)
     motor, structure, contact = np.split(numbers, [9, 33])
     # Whatever else a step holds does not depend on the factors.
-    origin = _plant_at(model, (0,) * len(FACTORS), sample_time)
+    origin: DiscretePlant = grid.origin
     return origin._replace(
         motor=type(origin.motor)(*_rows(motor, 3)),
         structure=DiscreteStructure(*_rows(structure, 4)),
@@ -108,48 +111,61 @@ def block_model_with(
     """
     # The motor's gain has no part in it.
     of_structure = factors * np.array([0.0, 1.0, 1.0])
-    numbers = _interpolated(
-        lambda point: _block_numbers(model, point, sample_time, block), of_structure
-    )
+    numbers = _block_grid(model, sample_time, block).numbers_at(of_structure)
     return numbers[:16].reshape(4, 4), DiscreteStructure(*_rows(numbers[16:], 4))
 
 
-def _interpolated(make: Callable[[Point], FloatArray], factors: FloatArray) -> FloatArray:
-    """Return numbers that are known on the grid of factors, by parabolas along its axes.
+class _Grid:
+    """The numbers of one model on the grid of factors, remembered."""
 
-    Half a spacing from a point they are off by about 1e-6 of their slopes.
-    What is linear in the numbers, as a structure that follows a slow base, stays exact.
-    """
-    point = np.rint(factors / FACTOR_GRID).astype(int)
-    middle = make(tuple(point.tolist()))
-    numbers = middle.copy()
-    for axis, off in enumerate((factors / FACTOR_GRID - point).tolist()):
-        if off != 0.0:
-            side = np.eye(len(FACTORS), dtype=int)[axis]
-            ahead, behind = (
-                make(tuple((point + side).tolist())),
-                make(tuple((point - side).tolist())),
-            )
-            numbers += 0.5 * off * (ahead - behind)
-            numbers += 0.5 * off * off * (ahead - 2 * middle + behind)
-    return numbers
+    def __init__(self, make: Callable[[Point], FloatArray], origin: Any = None) -> None:
+        self._make, self.origin = make, origin
+        self._made: dict[Point, FloatArray] = {}
 
+    def numbers_at(self, factors: FloatArray) -> FloatArray:
+        """Return numbers that are known on the grid, by parabolas along its axes.
 
-@lru_cache(maxsize=1024)
-def _plant_at(model: PlantModel, point: Point, sample_time: float) -> DiscretePlant:
-    """Return the discrete plant at a point of the grid."""
-    return discretize_plant(model_with(model, FACTOR_GRID * np.array(point)), sample_time)
+        Half a spacing from a point they are off by about 1e-6 of their slopes.
+        What is linear in the numbers, as a structure that follows a slow base, stays exact.
+        """
+        point = np.rint(factors / FACTOR_GRID).astype(int)
+        middle = self._at(point)
+        numbers = middle.copy()
+        for axis, off in enumerate((factors / FACTOR_GRID - point).tolist()):
+            if off != 0.0:
+                side = np.eye(len(FACTORS), dtype=int)[axis]
+                ahead, behind = self._at(point + side), self._at(point - side)
+                numbers += 0.5 * off * (ahead - behind)
+                numbers += 0.5 * off * off * (ahead - 2 * middle + behind)
+        return numbers
 
-
-@lru_cache(maxsize=1024)
-def _plant_numbers(model: PlantModel, point: Point, sample_time: float) -> FloatArray:
-    """Return the numbers of the discrete plant at a point of the grid."""
-    step = _plant_at(model, point, sample_time)
-    rows = [*step.motor, *step.structure, *step.contact]
-    return np.array([number for row in rows for number in row], dtype=np.float64)
+    def _at(self, place: NDArray[np.int64]) -> FloatArray:
+        point: Point = tuple(place.tolist())
+        if point not in self._made:
+            if len(self._made) == MOST_POINTS:
+                self._made.clear()
+            self._made[point] = self._make(point)
+        return self._made[point]
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=MOST_GRIDS)
+def _plant_grid(model: PlantModel, sample_time: float) -> _Grid:
+    """Return the grid of the discrete plant."""
+
+    def numbers(point: Point) -> FloatArray:
+        step = discretize_plant(model_with(model, FACTOR_GRID * np.array(point)), sample_time)
+        rows = [*step.motor, *step.structure, *step.contact]
+        return np.array([number for row in rows for number in row], dtype=np.float64)
+
+    return _Grid(numbers, discretize_plant(model, sample_time))
+
+
+@lru_cache(maxsize=MOST_GRIDS)
+def _block_grid(model: PlantModel, sample_time: float, block: int) -> _Grid:
+    """Return the grid of the structure's model by blocks."""
+    return _Grid(lambda point: _block_numbers(model, point, sample_time, block))
+
+
 def _block_numbers(model: PlantModel, point: Point, sample_time: float, block: int) -> FloatArray:
     """Return the numbers of the structure's model by blocks at a point of the grid."""
     structure = model_with(model, FACTOR_GRID * np.array(point)).structure

@@ -19,6 +19,12 @@ SMALLEST_GAIN = 0.5
 """Gain of log-likelihood for which a level is changed."""
 LEVEL_FACTOR = 3.0
 """Factor by which a level is changed in search of the most likely one."""
+RESTLESS = 2.0
+"""Walk of the motor in a second, over the noise of a reading, that a model may yet explain."""
+QUIETER = 12.0
+"""Factor by which the motor is thought to walk less once it is explained."""
+NOTHING = 0.02
+"""Walk of the motor in a second, over the noise of a reading, that is none."""
 PRODUCT = 8
 """Values that are multiplied before their logarithm is taken."""
 SMALLEST_NOISE = 1e-11
@@ -49,6 +55,7 @@ def fitted_levels(
     residual: FloatArray,
     levels: NoiseLevels,
     most: int,
+    least_slow: float = 0.0,
 ) -> FittedLevels:
     """Return the levels of noise that make a residual most likely.
 
@@ -64,16 +71,18 @@ def fitted_levels(
         Where to begin.
     most : int
         Levels to try at most; of one only their common scale is found.
+    least_slow : float
+        Least level of the motor's walk while it turns slowly [m/s^0.5].
     """
 
     def tried(ratios: FloatArray) -> tuple[float, float]:
         """Return the logarithm of the prediction error and the scale of all levels."""
         whitening = make(NoiseLevels(levels.reading, *(levels.reading * ratios).tolist()))
-        innovations = whitening.apply(residual[None, :])[0]
-        scale = max(robust_deviation(innovations), SMALLEST_NOISE / levels.reading)
+        scale = max(robust_deviation(whitening.innovations), SMALLEST_NOISE / levels.reading)
         return mean_logarithm(whitening.deviations) + float(logarithm(scale)), scale
 
-    ratios = np.array(levels[1:]) / levels.reading
+    least = np.array([0.0, least_slow, 0.0]) / levels.reading
+    ratios = np.maximum(np.array(levels[1:]) / levels.reading, least)
     best, scale = tried(ratios)
     count, improved = 1, True
     while improved and count < most:
@@ -85,16 +94,32 @@ def fitted_levels(
                 if count >= most:
                     break
                 trial = ratios.copy()
-                trial[which] = value
+                trial[which] = max(value, float(least[which]))
+                if trial[which] == level:
+                    continue
                 found, found_scale = tried(trial)
                 count += 1
                 if found < best - SMALLEST_GAIN / residual.size:
                     best, scale, ratios, improved = found, found_scale, trial, True
                     break
     reading = max(levels.reading * scale, SMALLEST_NOISE)
-    return FittedLevels(
-        NoiseLevels(reading, *(reading * ratios).tolist()), float(exponential(best))
+    fast, slow, force = (reading * ratios).tolist()
+    levels = NoiseLevels(reading, fast, max(slow, least_slow), force)
+    return FittedLevels(levels, float(exponential(best)))
+
+
+def is_restless(levels: NoiseLevels) -> bool:
+    """Tell whether the motor walks so much that something may be left to be explained."""
+    return max(levels.fast, levels.slow) > RESTLESS * levels.reading
+
+
+def quiet(levels: NoiseLevels) -> NoiseLevels:
+    """Return levels for a motor that walks less, as it does once the model explains it."""
+    fast, slow = (
+        level / QUIETER if level > QUIETER * NOTHING * levels.reading else 0.0
+        for level in (levels.fast, levels.slow)
     )
+    return levels._replace(fast=fast, slow=slow)
 
 
 def mean_logarithm(values: FloatArray) -> float:

@@ -6,7 +6,6 @@ differentiated, so noise on the position does little harm.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,50 +13,45 @@ from numpy.typing import NDArray
 from bdt_plant.elementary_functions import exponential
 from bdt_plant.plant import PlantModel
 from bdt_twin.block_residual import compiled_means
+from bdt_twin.cogging_search import compiled_waves
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import COMPILED, standard_deviation
 from bdt_twin.forward_model import SMALLEST_TRAVEL
 from bdt_twin.gap_of_fit import gap_at, growth_at
 from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
-from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.model_factors import FACTORS, check_room
+from bdt_twin.next_fit import AcceptedFit, Predecessor, next_fit
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.sensor_saturation import motor_travel_in_saturation
 from bdt_twin.telemetry_window import TelemetryWindow
-from bdt_twin.unknowns import Unknowns
 from bdt_twin.window_loop import compiled_structure, compiled_window
 from bdt_twin.window_model import WindowModel
-from bdt_twin.window_search import fit_window, initial_conditions_at_rest
 
 FloatArray = NDArray[np.float64]
 
 MISFIT = 0.02
 """Share of the position's motion that is not predicted in a window that is explained."""
-LOOPS = (compiled_window, compiled_structure, compiled_means, compiled_gains, compiled_innovations)
+LOOPS = (
+    compiled_window,
+    compiled_structure,
+    compiled_means,
+    compiled_gains,
+    compiled_innovations,
+    compiled_waves,
+)
 """What to call before the first data wait."""
+DOUBTFUL = math.radians(0.2)
+"""Standard uncertainty above which a gap is compared with what was known before [rad]."""
+CONTRADICTION = 2.0
+"""Standard uncertainties between two gaps that contradict each other; windows share their data."""
+MOST_HELD = 5
+"""Windows in a row that leave the gap unknown, after which a fit begins anew."""
+UNEXPLAINED = 0.1
+"""Share of a residual that is unexplained even if noise of the machine would make it likely."""
 LARGEST_SATURATED_TRAVEL = 2.0
 """Angle by which the motor may turn, beside twice the gap, while the position is stuck [rad]."""
-
-
-@dataclass(frozen=True, eq=False)
-class AcceptedFit:
-    """The last window that taught something.
-
-    Attributes
-    ----------
-    window : WindowModel
-        Model and data.
-    fit : Fit
-        The model fitted to the data.
-    estimate : Estimate
-        What it taught.
-    """
-
-    window: WindowModel
-    fit: Fit
-    estimate: Estimate
 
 
 class OutputErrorEstimator:
@@ -119,6 +113,8 @@ class OutputErrorEstimator:
 
     def _forget_fits(self) -> None:
         self.last_fit: AcceptedFit | None = None
+        self._predecessor: Predecessor | None = None
+        self._contradicted, self._held = False, 0
         self._machine = MachineMemory(self._model.motor)
 
     def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
@@ -188,82 +184,29 @@ class OutputErrorEstimator:
             math.ceil((newest + 1) / rate / spacing) + 1,
         )
         knots: FloatArray = spacing * numbers.astype(np.float64)
-        window = WindowModel(self._model, stretches, knots, rate, self._block)
-        return self._validate(window, self._fit(window), newest)
-
-    def _fit(self, window: WindowModel) -> Fit:
-        """Fit a window, beginning with the last fit if it still describes the data.
-
-        An effect of the machine joins the unknowns when a window gives evidence of it.
-        """
-        predicted, error, levels = None, math.inf, None
-        if self.last_fit is not None:
-            predicted = self._predict_unknowns(window, self.last_fit)
-            error, levels = self.last_fit.fit.prediction_error, self.last_fit.fit.levels
-        change = self._settings.growth_change
-        fit = fit_window(
-            window,
-            change,
-            self._known(window),
-            predicted,
-            error,
-            levels,
-        )
-        while self._machine.has_evidence(fit.evidence):
-            # What explains more is found from here; the error may only become smaller.
-            fit = fit_window(
-                window,
-                change,
-                self._known(window),
-                fit.unknowns,
-                math.inf,
-                fit.levels,
-            )
-        return fit
-
-    def _known(self, window: WindowModel) -> MachineKnowledge:
-        return self._machine.before(window.stretches[0].first / self._rate)
-
-    def _predict_unknowns(self, window: WindowModel, last: AcceptedFit) -> Unknowns:
-        """Return the unknowns that the last fit predicts for a window."""
-        before, fit, knots = last.window, last.fit, window.knots
-        beyond = np.maximum(knots - before.knots[-1], 0.0)
-        # Both windows' knots are multiples of the spacing, so that nothing is rounded.
-        gaps = np.interp(knots, before.knots, fit.unknowns.gaps) + last.estimate.growth * beyond
-        gaps = np.maximum(gaps, 0.0)
-        initial_conditions = initial_conditions_at_rest(window)
-        for beginning, stretch in zip(initial_conditions, window.stretches, strict=True):
-            half = 0.5 * window.gap_at(gaps, stretch.first / self._rate)
-            for old, run in zip(before.stretches, fit.responses, strict=True):
-                sample = stretch.first - old.first
-                if 0 <= sample < run.relative_angle.size and half > 0.0:
-                    beginning[0] = min(max(run.relative_angle[sample] / half, -1.0), 1.0)
-        return Unknowns(gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects)
+        window = WindowModel(self._model, stretches, knots, rate, self._block, self._machine.cogs)
+        change = chosen.growth_change
+        return self._validate(*next_fit(window, self._predecessor, self._machine, change), newest)
 
     def _validate(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
         """Return what a fit teaches, or the last estimate with the reason why it does not."""
-        chosen, time = self._settings, self._window.time(newest)
-        reversals = window.reversals(fit.responses)
-        motion = max(standard_deviation(run.position) for run in fit.responses)
-        if sum(run.travel for run in fit.responses) < SMALLEST_TRAVEL:
-            return self._hold_estimate(time, "the lead screw does not move")
-        if not reversals:
-            return self._hold_estimate(time, "the lead screw does not reverse")
-        if fit.prediction_error > MISFIT * motion:
-            return self._hold_estimate(
-                time,
-                f"the model does not explain {1e6 * fit.prediction_error:.3g} um "
-                f"of a motion of {1e6 * motion:.3g} um",
-            )
+        time, reversals = self._window.time(newest), window.reversals(fit.responses)
+        if unexplained := self._unexplained(fit, len(reversals)):
+            return self._hold_estimate(time, unexplained)
         # Telemetry may be stamped anywhere between two multiples of the sample time.
         at = reversals[-1] / self._rate
         stamp = time - (newest - reversals[-1]) / self._rate
         gap, uncertainty = gap_at(window, fit, at)
-        if uncertainty > chosen.largest_uncertainty:
-            return self._hold_estimate(
-                time, f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
-            )
         growth, growth_uncertainty = growth_at(window, fit, at)
+        unsure = self._unsure(stamp, gap, uncertainty)
+        self._held = self._held + 1 if unsure else 0
+        # Windows that follow find out more from here, unless it is here that nothing is found.
+        follows = self._held < MOST_HELD
+        self._predecessor = Predecessor(window, fit, growth) if follows else None
+        if not follows:
+            self._held = 0
+        if unsure:
+            return self._hold_estimate(time, unsure)
         gain = float(exponential(fit.unknowns.factors[FACTORS.index("gain")]))
         estimate = Estimate(
             time=stamp,
@@ -284,17 +227,55 @@ class OutputErrorEstimator:
         self._machine.learn(newest / self._rate, fit.machine)
         return estimate
 
+    def _unexplained(self, fit: Fit, reversals: int) -> str:
+        """Return why a fit is none of the data; empty if it is."""
+        motion = max(standard_deviation(run.position) for run in fit.responses)
+        if sum(run.travel for run in fit.responses) < SMALLEST_TRAVEL:
+            return "the lead screw does not move"
+        if not reversals:
+            return "the lead screw does not reverse"
+        if max(fit.prediction_error, UNEXPLAINED * fit.residual) > MISFIT * motion:
+            error = max(fit.prediction_error, fit.residual)
+            return (
+                f"the model does not explain {1e6 * error:.3g} um "
+                f"of a motion of {1e6 * motion:.3g} um"
+            )
+        if strange := self._machine.implausible(fit.machine):
+            return f"only an odd {strange} would explain the data"
+        return ""
+
+    def _unsure(self, time: float, gap: float, uncertainty: float) -> str:
+        """Return why a gap is not stated although the data are explained; empty if it is."""
+        if uncertainty > self._settings.largest_uncertainty:
+            return f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
+        if self._contradicts(time, gap, uncertainty):
+            return "the gap contradicts what was known before"
+        return ""
+
+    def _contradicts(self, time: float, gap: float, uncertainty: float) -> bool:
+        """Tell whether an unsure gap is far from the one that was known, and the first to be so."""
+        if self.last_fit is None or uncertainty < DOUBTFUL:
+            self._contradicted = False
+            return False
+        last = self.last_fit.estimate
+        expected = last.gap + last.growth * (time - last.time)
+        spread = math.hypot(uncertainty, self._grown_uncertainty(time - last.time))
+        self._contradicted = not self._contradicted and abs(gap - expected) > CONTRADICTION * spread
+        return self._contradicted
+
+    def _grown_uncertainty(self, age: float) -> float:
+        """Return how unsure the last estimate is of the gap some time [s] later, if it grows on."""
+        if self.last_fit is None:
+            return math.inf
+        last = self.last_fit.estimate
+        change = self._settings.growth_change * age * math.sqrt(max(age, 0.0) / 3)
+        return math.hypot(last.uncertainty, age * last.growth_uncertainty, change)
+
     def _hold_estimate(self, time: float, reason: str) -> Estimate:
         """Return the last estimate, as unsure as it is for a window that ends at `time`."""
         if self.last_fit is None:
             return Estimate(time, math.nan, math.inf, reason=reason)
         last = self.last_fit.estimate
         age = time - last.time
-        parts = (
-            last.uncertainty,
-            age * last.growth,
-            age * last.growth_uncertainty,
-            self._settings.growth_change * age * math.sqrt(age / 3),
-        )
-        uncertainty = math.sqrt(math.fsum(part * part for part in parts))
+        uncertainty = math.hypot(self._grown_uncertainty(age), age * last.growth)
         return last._replace(uncertainty=uncertainty, reason=reason, age=age)

@@ -7,12 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import logarithm
-from bdt_twin.block_residual import BlockResidual, variance_inflation
+from bdt_twin.block_residual import BlockResidual
 from bdt_twin.cramer_rao import fisher_information
+from bdt_twin.fit_doubt import covariance_inflation, huber_weights
 from bdt_twin.fit_result import Fit
-from bdt_twin.fixed_order import dot, mean, product, solution, total, weighted_products
+from bdt_twin.fixed_order import dot, mean, product, total, weighted_products
 from bdt_twin.forward_model import StretchResponse
-from bdt_twin.innovations import NoiseLevels, Whitening
+from bdt_twin.information import inverse, solved
+from bdt_twin.innovations import DeviationModel, NoiseLevels, Whitening
 from bdt_twin.machine_knowledge import EFFECT_SPREAD, EFFECTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import (
@@ -36,15 +38,16 @@ PUSHED = 6.0
 CHANGE_FREEDOM = 2.0
 """Degrees of freedom of Student's distribution, of which growth changes are: few are large."""
 
-MOST_LEVELS = 12
+MOST_LEVELS = 8
 """Levels of noise to try at the end of a fit."""
-MACHINE_DOUBT = 1.3
-"""Factor by which uncertainties are larger where a machine has noise: its levels are found from the
-same data, and stick and slip is rarer and larger than what is normal."""
+FRICTION_VARIATION = 3e-4
+"""Share of its friction by which a motor's friction differs from second to second [s^0.5]."""
 MOST_SEARCHES = 3
 """Searches for levels of noise at the end of a fit."""
 LEVELS_AGREE = 0.998
 """Ratio of prediction errors from which on other levels of noise are not worth another step."""
+TOO_SMALL = 2.0
+"""Standard deviation of the innovations from which on the levels are made larger at first."""
 HALVINGS = 3
 """Halvings of a step that makes the fit worse, before the fit ends."""
 SMALLEST_GAIN = 0.02
@@ -52,11 +55,16 @@ SMALLEST_GAIN = 0.02
 
 
 class _Point(NamedTuple):
-    """Unknowns with their simulation and residual."""
+    """Unknowns with their simulation, their residual and what noise does to it."""
 
     unknowns: Unknowns
     responses: list[StretchResponse]
     residual: FloatArray
+    deviation: DeviationModel
+
+    def whitening(self, levels: NoiseLevels, threshold: float = math.inf) -> Whitening:
+        """Return the filter of the residual."""
+        return Whitening(self.deviation, levels, self.residual, threshold)
 
 
 class WindowFit:
@@ -122,19 +130,21 @@ class WindowFit:
             if simulated >= simulations:
                 break
             settled = _noise(point.residual)
-            # A model that is still wrong is wrong in the transients only, which are not outliers.
-            rms = math.sqrt(mean(np.square(point.residual)))
-            noise = max(settled, rms / 2**number)
+            noise = settled
             if levels is None:
-                whitening = self._whitening(point, NoiseLevels(noise))
+                # A model that is still wrong is wrong in the transients only, which are no
+                # outliers.
+                noise = max(settled, math.sqrt(mean(np.square(point.residual))) / 2**number)
+                whitening = point.whitening(NoiseLevels(noise))
             else:
+                if number == 1:
+                    levels = _unpushed_levels(point, levels)
                 # A machine without noise so far is given the chance that the gap explains all.
                 is_noisy = number == 1 and any(levels[1:])
                 levels, error = self._levels(point, levels, MOST_LEVELS if is_noisy else 1)
                 if simulated >= patience and error > enough:
                     break
-                noise = settled
-                whitening = self._whitening(point, levels, PUSHED)
+                whitening = point.whitening(levels, PUSHED)
             step = self._step(point, whitening)
             vector = point.unknowns.as_vector()
             before, after = self._cost(point, whitening), math.inf
@@ -162,34 +172,24 @@ class WindowFit:
     def _at(self, unknowns: Unknowns) -> _Point:
         responses = self._window.simulate(unknowns)
         residual = self._residual.means([run.position for run in responses])
-        return _Point(unknowns, responses, residual)
-
-    def _whitening(
-        self,
-        point: _Point,
-        levels: NoiseLevels,
-        threshold: float = math.inf,
-    ) -> Whitening:
-        return Whitening(
-            self._window.block_step(point.unknowns),
-            1.0 / self._window.block_rate,
-            self._window.motions(point.responses),
-            levels,
-            point.residual,
-            threshold,
-        )
+        deviation = self._window.deviation_model(unknowns, responses)
+        return _Point(unknowns, responses, residual, deviation)
 
     def _levels(self, point: _Point, levels: NoiseLevels, most: int) -> FittedLevels:
+        friction = float(point.unknowns.effects[EFFECTS.index("friction_voltage")])
         return fitted_levels(
-            lambda tried: self._whitening(point, tried, PUSHED), point.residual, levels, most
+            lambda tried: point.whitening(tried, PUSHED),
+            point.residual,
+            levels,
+            most,
+            FRICTION_VARIATION * friction * self._window.travel_per_volt(point.unknowns),
         )
 
     def _step(self, point: _Point, whitening: Whitening) -> FloatArray:
         jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))
-        innovations = whitening.apply(point.residual[None, :])[0]
-        weights = huber_weights(innovations)
+        weights = huber_weights(whitening.innovations)
         information = fisher_information(jacobian, weights) + self._prior_at(point.unknowns)
-        return _solved(information, self._gradient(point, jacobian, weights * innovations))
+        return solved(information, self._gradient(point, jacobian, weights * whitening.innovations))
 
     def _gradient(self, point: _Point, jacobian: FloatArray, innovations: FloatArray) -> FloatArray:
         """Return the slope of the log-likelihood with respect to the unknowns."""
@@ -215,86 +215,69 @@ class WindowFit:
         return prior
 
     def _result(self, point: _Point, simulations: int, levels: NoiseLevels | None) -> Fit:
-        deviation = _deviation(point.residual)
+        residual = max(SMALLEST_NOISE, robust_deviation(point.residual))
         if levels is None:
-            levels, error = NoiseLevels(deviation), deviation
-            whitening = self._whitening(point, levels)
+            levels, error = NoiseLevels(residual), residual
+            whitening = point.whitening(levels)
         else:
             levels, error = self._levels(point, levels, 1)
-            whitening = self._whitening(point, levels, PUSHED)
-        innovations = whitening.apply(point.residual[None, :])[0]
+            whitening = point.whitening(levels, PUSHED)
+        innovations = whitening.innovations
         jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))
-        weights = huber_weights(innovations)
-        # What is left in the innovations that is not white says less than its samples are many.
-        bounded = np.clip(innovations, -HUBER, HUBER)
-        inflation = variance_inflation(bounded, self._window.block_rate)
-        if any(levels[1:]):
-            inflation *= MACHINE_DOUBT * MACHINE_DOUBT
-        weights /= inflation * max(1.0, mean(np.square(bounded)))
-        information = fisher_information(jacobian, weights) + self._prior_at(point.unknowns)
-        covariance = _inverse(information)
-        pending = _solved(information, self._gradient(point, jacobian, weights * innovations))
+        weights = huber_weights(innovations) / covariance_inflation(
+            innovations, levels, self._window.block_rate
+        )
+        told, prior = fisher_information(jacobian, weights), self._prior_at(point.unknowns)
+        gradient = self._gradient(point, jacobian, weights * innovations)
         return Fit(
             point.unknowns,
             point.responses,
-            deviation,
+            residual,
             error,
             levels,
-            covariance,
-            pending,
+            prior,
+            inverse(told + prior),
+            solved(told + prior, gradient),
             simulations,
-            innovations,
-            whitening.pushed,
-            self._evidence(point, jacobian, weights, innovations),
+            whitening,
+            _evidence(told, prior, gradient, point.unknowns.gaps.size + len(FACTORS)),
         )
 
-    def _evidence(
-        self, point: _Point, jacobian: FloatArray, weights: FloatArray, innovations: FloatArray
-    ) -> FloatArray:
-        """Return the gain of log-likelihood by each effect if it were free, shape (4,)."""
-        information = fisher_information(jacobian, weights)
-        gradient = self._gradient(point, jacobian, weights * innovations)
-        with_prior = information + self._prior_at(point.unknowns)
-        first = point.unknowns.gaps.size + len(FACTORS)
-        gains = np.zeros(len(EFFECTS))
-        for effect, spread in enumerate(EFFECT_SPREAD):
-            place = first + effect
-            others = np.delete(np.arange(len(information)), place)
-            coupling = with_prior[others, place]
-            solved = _inverse(with_prior[np.ix_(others, others)], coupling[:, None])[:, 0]
-            own = information[place, place] + 1.0 / (spread * spread) - dot(coupling, solved)
-            slope = gradient[place] - dot(solved, gradient[others])
-            if own > 0.0:
-                gains[effect] = 0.5 * slope * slope / own
-        return gains
+
+def _evidence(told: FloatArray, prior: FloatArray, gradient: FloatArray, first: int) -> FloatArray:
+    """Return the gain of log-likelihood by each effect if it were free, shape (effects,).
+
+    Parameters
+    ----------
+    told, prior : ndarray, shape (unknowns, unknowns)
+        Information from the data and before.
+    gradient : ndarray, shape (unknowns,)
+        Slope of the log-likelihood.
+    first : int
+        Place of the first effect.
+    """
+    information, gains = told + prior, np.zeros(len(EFFECTS))
+    for effect, spread in enumerate(EFFECT_SPREAD):
+        place = first + effect
+        others = np.delete(np.arange(len(information)), place)
+        coupling = information[others, place]
+        explained = solved(information[np.ix_(others, others)], coupling)
+        own = told[place, place] + 1.0 / (spread * spread) - dot(coupling, explained)
+        slope = gradient[place] - dot(explained, gradient[others])
+        if own > 0.0:
+            gains[effect] = 0.5 * slope * slope / own
+    return gains
 
 
-def _inverse(information: FloatArray, right: FloatArray | None = None) -> FloatArray:
-    """Return the inverse of an information matrix, or its product with a matrix."""
-    scale = 1.0 / np.sqrt(np.diag(information))
-    scaled = information * np.outer(scale, scale) + 1e-12 * np.eye(scale.size)
-    if right is None:
-        return solution(scaled, np.eye(scale.size)) * np.outer(scale, scale)
-    return scale[:, None] * solution(scaled, scale[:, None] * right)
+def _unpushed_levels(point: _Point, levels: NoiseLevels) -> NoiseLevels:
+    """Return the levels as large as most of the innovations are if nothing pushed a platform.
 
-
-def _solved(information: FloatArray, gradient: FloatArray) -> FloatArray:
-    """Return the step to where the gradient vanishes."""
-    step: FloatArray = _inverse(information, gradient[:, None])[:, 0]
-    return step
-
-
-def huber_weights(innovations: FloatArray) -> FloatArray:
-    """Return the weights that make squares out of Huber's loss."""
-    weights: FloatArray = HUBER / np.maximum(np.abs(innovations), HUBER)
-    return weights
+    With levels that are far too small nearly all innovations would be pushes.
+    """
+    scale = FROM_MAD * float(np.median(np.abs(point.whitening(levels).innovations)))
+    return NoiseLevels(*(scale * np.array(levels)).tolist()) if scale > TOO_SMALL else levels
 
 
 def _noise(residual: FloatArray) -> float:
     """Return the standard deviation of a residual, whatever the outliers [m]."""
     return max(SMALLEST_NOISE, FROM_MAD * float(np.median(np.abs(residual))))
-
-
-def _deviation(residual: FloatArray) -> float:
-    """Return the standard deviation of a residual whose outliers are brought back [m]."""
-    return max(SMALLEST_NOISE, robust_deviation(residual))

@@ -12,6 +12,8 @@ FloatArray = NDArray[np.float64]
 
 INITIAL_CONDITION = ("share", "offset", "q2", "q2_velocity", "q3", "q3_velocity")
 """Unknowns at the beginning of a stretch; see :class:`Unknowns`."""
+MOST_EXCESS = 1.0
+"""Largest excess of friction at rest over that of a fast motor, as a share of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +30,7 @@ class Unknowns:
         ``INITIAL_CONDITION`` of each stretch: where in the gap the motor is, from -1 to 1 (ends at
         which it drives the screw backward and forward), the position of the lead screw's end [m],
         and the structure's positions [m] relative to it and velocities [m/s].
-    effects : ndarray, shape (4,)
+    effects : ndarray, shape (effects,)
         ``machine_knowledge.EFFECTS``.
     """
 
@@ -46,11 +48,15 @@ class Unknowns:
         """Return the unknowns of a vector, brought back to where they have a meaning."""
         ends = np.cumsum([self.gaps.size, len(FACTORS), len(EFFECTS)])
         gaps, factors, effects, rest = np.split(vector, ends)
+        effects = np.clip(effects, *EFFECT_LIMITS)
+        # Cogging, which is largest at rest, too, is no friction of a motor that has next to none.
+        excess, friction = EFFECTS.index("excess_voltage"), EFFECTS.index("friction_voltage")
+        effects[excess] = min(effects[excess], MOST_EXCESS * effects[friction])
         initial_conditions = rest.reshape(self.initial_conditions.shape).copy()
         np.clip(initial_conditions[:, 0], -1.0, 1.0, out=initial_conditions[:, 0])
         return Unknowns(
             np.maximum(gaps, 0.0),
             np.clip(factors, -1.0, 1.0),
             initial_conditions,
-            np.clip(effects, *EFFECT_LIMITS),
+            effects,
         )

@@ -8,20 +8,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.compilation import compile_with_steps
-from bdt_plant.plant import (
-    AT_REST,
-    DiscretePlant,
-    PlantModel,
-    PlantState,
-    discretize_plant,
-    plant_step,
-)
+from bdt_plant.elementary_functions import sine_of_turns
+from bdt_plant.plant import AT_REST, PlantModel, PlantState, discretize_plant, plant_step
+from bdt_plant.resisted_motor import discretize_resisted_motor
+from bdt_plant.screw_load import ScrewLoad
+from bdt_plant.stribeck import friction_law
 from bdt_plant.structure import DiscreteStructure, StructureState, structure_step
+from bdt_twin.resisted_plant import (
+    COGGED_SPEED,
+    FAST,
+    NO_COGS,
+    ResistedPlant,
+    resisted_plant_step,
+    screw_force,
+    slow_share,
+)
 
 FloatArray = NDArray[np.float64]
 
 SMALLEST_SPEED = 1e-4
 """Speed of the motor from which on it turns [rad/s]."""
+COGGING = ("cogging_sine", "cogging_cosine")
+DRIVES = ("friction", "offset", "gain", "excess", "stribeck_speed", "load", *COGGING)
+"""What moves the motor, as time integrals since the beginning; see ``StretchResponse.drives``."""
+STEEPEST = 0.8
+"""Largest share of the back-EMF's slope that falling friction takes away, as far as slopes go."""
 
 
 @cache
@@ -40,14 +51,15 @@ def compiled_window() -> Any:
             given,
             given,
             types.int64,
-            *(types.float64 for _ in range(4)),
+            *(types.float64 for _ in range(5)),
+            signal,
             signal,
             signal,
             types.Array(types.float64, 2, "C"),
             types.Array(types.int64, 1, "C"),
         )
 
-    return compile_with_steps(_window_loop, [plant_step], signature)
+    return compile_with_steps(_window_loop, STEPS, signature)
 
 
 @cache
@@ -60,18 +72,31 @@ def compiled_structure() -> Any:
         types, typeof = numba.types, numba.typeof
         given = types.Array(types.float64, 1, "C", readonly=True)
         signal = types.Array(types.float64, 1, "C")
-        return typeof(_model_step().structure), typeof(AT_REST.structure), given, signal
+        return typeof(_model_step().plant.structure), typeof(AT_REST.structure), given, signal
 
     return compile_with_steps(_structure_loop, [structure_step], signature)
 
 
-def _model_step() -> DiscretePlant:
-    return discretize_plant(PlantModel(), 2e-4)
+STEPS = (plant_step, resisted_plant_step, screw_force, slow_share, sine_of_turns)
+"""Step functions that the loop over a window calls."""
+
+
+def _model_step() -> ResistedPlant:
+    model = PlantModel()
+    return ResistedPlant(
+        discretize_plant(model, 2e-4),
+        discretize_resisted_motor(model.motor, 2e-4),
+        friction_law(model.motor, model.stribeck),
+        ScrewLoad(0.0, 0.0),
+        0.0,
+        0.0,
+        NO_COGS,
+    )
 
 
 def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as a whole
     def window_loop(  # noqa: PLR0912, PLR0915
-        step: DiscretePlant,
+        step: ResistedPlant,
         state: PlantState,
         voltage: FloatArray,
         gaps: FloatArray,
@@ -79,41 +104,66 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         sample_time: float,
         slow_speed: float,
         standing_voltage: float,
+        back_emf: float,
         smallest_travel: float,
         position: FloatArray,
         relative_angle: FloatArray,
+        motor_angle: FloatArray,
         blocks: FloatArray,
         reversals: NDArray[np.int64],
     ) -> tuple[int, float]:
         _ = sources
         last_side, last_motor, last_sample = 0.0, state.motor.angle, 0.0
-        turning, turned, last_turning, last_turned = 0.0, 0.0, 0.0, 0.0
+        drives, last_drives, begun = np.zeros(8), np.zeros(8), np.zeros(8)
+        law, cogs = step.friction, step.cogs.periods_per_radian
+        is_resisted = law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
+        steepness = 2.0 * law.excess * step.motor.resistance / (law.stribeck_speed * back_emf)
         before = state.theta_d
         direction, extreme, turned_at, found, travel = 0.0, before, 0, 0, 0.0
-        share, k = 1.0 / block, -1
+        part, k = 1.0 / block, -1
         for number in range(voltage.size // block):
-            angles, sides, motors, samples, turnings, turneds = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            angles, sides, motors, samples = 0.0, 0.0, 0.0, 0.0
             fast, slow, contact = 0.0, 0.0, 0.0
+            begun[:] = last_drives
             for _ in range(block):
                 k += 1
                 if k > 0:
-                    state = plant_step(state, voltage[k - 1], gaps[k], step)
+                    if is_resisted:
+                        state = resisted_plant_step(state, voltage[k - 1], gaps[k], step)
+                    else:
+                        state = plant_step(state, voltage[k - 1], gaps[k], step.plant)
                 speed = state.motor.speed
                 if abs(speed) > slow_speed:
                     fast += sample_time
                 elif abs(speed) > SMALLEST_SPEED or abs(voltage[k]) > standing_voltage:
                     slow += sample_time
-                if speed > SMALLEST_SPEED:
-                    turning += sample_time
-                    turned += sample_time
-                elif speed < -SMALLEST_SPEED:
-                    turning += sample_time
-                    turned -= sample_time
+                if abs(speed) > SMALLEST_SPEED:
+                    # A voltage is felt more where friction falls with speed.
+                    sign, felt, amplified = 1.0 if speed > 0.0 else -1.0, sample_time, 0.0
+                    ratio = abs(speed) / law.stribeck_speed
+                    if ratio < FAST:
+                        share = slow_share(speed, law.stribeck_speed)
+                        steep = min(steepness / law.stribeck_speed * ratio * share, STEEPEST)
+                        felt = sample_time / (1.0 - steep)
+                        amplified = felt - sample_time
+                        drives[3] += sign * felt * share
+                        drives[4] += sign * felt * share * 2.0 * ratio * ratio
+                    drives[0] += sign * felt
+                    drives[1] += felt
+                    drives[2] += amplified * speed
+                    if state.contact != 0:
+                        force = screw_force(state, step)
+                        if force * state.contact > 0.0 and speed * state.contact > 0.0:
+                            drives[5] += felt * force
+                    if cogs > 0.0 and abs(speed) < COGGED_SPEED:
+                        turns = state.motor.angle * cogs
+                        drives[6] += felt * sine_of_turns(turns)
+                        drives[7] += felt * sine_of_turns(turns + 0.25)
                 angle = state.theta_d
                 if angle != before:
                     last_side = 1.0 if angle > before else -1.0
                     last_motor, last_sample = state.motor.angle, float(k)
-                    last_turning, last_turned = turning, turned
+                    last_drives[:] = drives
                     contact = 1.0
                     travel += abs(angle - before)
                     if direction * (angle - extreme) >= 0.0:
@@ -131,16 +181,16 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                     before = angle
                 position[k] = state.structure.q3
                 relative_angle[k] = state.motor.angle - angle
+                motor_angle[k] = state.motor.angle
                 angles += angle
                 sides += last_side
                 motors += last_motor
                 samples += last_sample
-                turnings += last_turning
-                turneds += last_turned
-            blocks[0, number], blocks[1, number] = share * angles, share * sides
-            blocks[2, number], blocks[3, number] = share * motors, share * samples
-            blocks[4, number], blocks[5, number] = share * turnings, share * turneds
-            blocks[6, number], blocks[7, number], blocks[8, number] = fast, slow, contact
+            blocks[0, number], blocks[1, number] = part * angles, part * sides
+            blocks[2, number], blocks[3, number] = part * motors, part * samples
+            blocks[4, number], blocks[5, number], blocks[6, number] = fast, slow, contact
+            for drive in range(8):
+                blocks[7 + drive, number] = 0.5 * (begun[drive] + last_drives[drive])
         return found, travel
 
     return window_loop

@@ -1,31 +1,33 @@
 """Position over a window as a function of what is unknown about the mechanism, and its Jacobian."""
 
-import math
 from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.elementary_functions import exponential
+from bdt_plant.elementary_functions import FULL_TURN, exponential
 from bdt_plant.plant import PlantModel
 from bdt_plant.structure import DiscreteStructure, StructureState
+from bdt_twin.effect_slopes import add_drive_slopes
 from bdt_twin.fixed_order import dot, product
 from bdt_twin.forward_model import (
     SlowMotion,
     StretchResponse,
+    driving_voltage,
     initial_state,
     simulate_stretch,
     simulate_structure,
 )
-from bdt_twin.innovations import Motion
+from bdt_twin.innovations import DeviationModel, Motion
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import (
     FACTORS,
     block_model_with,
-    plant_step_with,
 )
+from bdt_twin.resisted_model import resisted_plant_with, with_cogs
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
+from bdt_twin.window_loop import DRIVES
 
 FloatArray = NDArray[np.float64]
 
@@ -55,11 +57,6 @@ class Stretch(NamedTuple):
     position: FloatArray
 
 
-def driving_voltage(voltage: float, friction: float) -> float:
-    """Return what of a voltage [V] is left beside the friction's."""
-    return math.copysign(max(abs(voltage) - friction, 0.0), voltage)
-
-
 class WindowModel:
     """The forward model of one window.
 
@@ -75,6 +72,8 @@ class WindowModel:
         Sampling rate [Hz].
     block : int
         Samples in a block.
+    cogs : int
+        Periods of the motor's cogging in a turn; 0 for none.
     """
 
     def __init__(
@@ -84,8 +83,9 @@ class WindowModel:
         knots: FloatArray,
         sampling_rate: float,
         block: int,
+        cogs: int = 0,
     ) -> None:
-        self.stretches, self.knots, self.block = stretches, knots, block
+        self.stretches, self.knots, self.block, self.cogs = stretches, knots, block, cogs
         self.block_rate = sampling_rate / block
         self._model, self._rate = model, sampling_rate
         self._blocks = [stretch.voltage.size // block for stretch in stretches]
@@ -111,20 +111,21 @@ class WindowModel:
             kept = slice(skipped, skipped + count * every)
             means = reduce(np.add, voltage[kept].reshape(-1, every).T) / every
             stretches.append(Stretch((first + skipped) // every, means, position[kept][::every]))
-        return WindowModel(self._model, stretches, self.knots, rate, block)
+        return WindowModel(self._model, stretches, self.knots, rate, block, self.cogs)
 
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
         """Simulate each stretch."""
-        friction, offset, delay, drift = unknowns.effects.tolist()
-        step = plant_step_with(self._model, unknowns.factors, 1.0 / self._rate)
-        current = friction / self._model.motor.resistance
-        step = step._replace(friction=step.friction._replace(current=current))
+        effect = dict(zip(EFFECTS, unknowns.effects.tolist(), strict=True))
+        friction, offset = effect["friction_voltage"], effect["voltage_offset"]
+        step = resisted_plant_with(
+            self._model, unknowns.factors, unknowns.effects, 1.0 / self._rate
+        )
         gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
         changes, responses = np.diff(unknowns.gaps), []
-        slow = SlowMotion(SLOW_VOLTAGE / back_emf, STANDING_SHARE * friction)
-        for stretch, (knots, shares), beginning in zip(
-            self.stretches, self._places, unknowns.initial_conditions, strict=True
+        slow = SlowMotion(SLOW_VOLTAGE / back_emf, STANDING_SHARE * friction, back_emf)
+        for number, (stretch, (knots, shares), beginning) in enumerate(
+            zip(self.stretches, self._places, unknowns.initial_conditions, strict=True)
         ):
             gaps = unknowns.gaps[knots] + changes[knots] * shares
             state = initial_state(
@@ -133,8 +134,9 @@ class WindowModel:
                 driving_voltage(float(stretch.voltage[0]) + offset, friction),
                 back_emf,
             )
+            turns = self.cogs * self.screw_turns(unknowns, number)
             run = simulate_stretch(
-                step,
+                with_cogs(step, self.cogs, turns, unknowns.effects),
                 state,
                 stretch.voltage + offset,
                 gaps,
@@ -143,8 +145,8 @@ class WindowModel:
                 slow,
             )
             times = np.arange(stretch.voltage.size) / self._rate
-            reading = run.position + beginning[1] + drift * times
-            reading -= delay * self._slope(run.position)
+            reading = run.position + beginning[1] + effect["drift"] * times
+            reading -= effect["delay"] * self._slope(run.position)
             responses.append(run._replace(position=reading))
         return responses
 
@@ -169,35 +171,55 @@ class WindowModel:
             self._add_play(jacobian[:, columns], first, number, unknowns, run)
             self._add_structure(jacobian[:, columns], first, number, unknowns, run)
             effects = knots + len(FACTORS)
-            self._add_effects(jacobian[effects : effects + len(EFFECTS), columns], unknowns, run)
+            rows = slice(effects, effects + len(EFFECTS))
+            self._add_effects(jacobian[rows, columns], number, unknowns, run)
         return jacobian
 
-    def _add_effects(self, jacobian: FloatArray, unknowns: Unknowns, run: StretchResponse) -> None:
+    def _add_effects(
+        self, jacobian: FloatArray, number: int, unknowns: Unknowns, run: StretchResponse
+    ) -> None:
         """Add the rows of the machine's effects."""
         _, step = self._by_blocks(unknowns.factors)
-        gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
-        # The motor settles within milliseconds, so it turns as fast as the voltage tells.
-        per_volt = self._model.lead_screw.pitch * gain / self._model.motor.back_emf_constant
-        at_rest, moved = StructureState(0.0, 0.0, 0.0, 0.0), np.abs(run.side)
-        jacobian[0] = simulate_structure(step, at_rest, -per_volt * run.turned * moved)
-        jacobian[1] = simulate_structure(step, at_rest, per_volt * run.turning * moved)
+        turns = self.cogs * self.screw_turns(unknowns, number)
+        per_volt = self.travel_per_volt(unknowns)
+        moved = np.abs(run.side)
+        add_drive_slopes(jacobian, unknowns.effects, run.drives, turns, per_volt * moved, step)
         # The readings' own slope differs from the position's by what delay and drift add.
         slope = self._slope(run.position) - unknowns.effects[EFFECTS.index("drift")]
-        jacobian[2] = -slope.reshape(-1, self.block).mean(axis=1)
-        jacobian[3] = (np.arange(run.side.size) + 0.5 - 0.5 / self.block) / self.block_rate
+        jacobian[EFFECTS.index("delay")] = -slope.reshape(-1, self.block).mean(axis=1)
+        blocks = np.arange(run.side.size)
+        jacobian[EFFECTS.index("drift")] = (blocks + 0.5 - 0.5 / self.block) / self.block_rate
 
-    def motions(self, responses: list[StretchResponse]) -> list[Motion]:
-        """Return what the noise of the window depends on, for a simulation of it."""
-        return [Motion(run.fast, run.slow, run.contact) for run in responses]
+    def block_step(self, unknowns: Unknowns) -> DiscreteStructure:
+        """Return the structure's model from block to block."""
+        return self._by_blocks(unknowns.factors)[1]
+
+    def screw_turns(self, unknowns: Unknowns, number: int) -> float:
+        """Return how often the screw has turned when a stretch begins, from the reading there."""
+        offset = float(unknowns.initial_conditions[number, INITIAL_CONDITION.index("offset")])
+        return offset / (FULL_TURN * self._model.lead_screw.pitch)
+
+    def with_cogs(self, cogs: int) -> "WindowModel":
+        """Return the window of a motor with so many periods of cogging in a turn."""
+        return WindowModel(self._model, self.stretches, self.knots, self._rate, self.block, cogs)
+
+    def deviation_model(
+        self, unknowns: Unknowns, responses: list[StretchResponse]
+    ) -> DeviationModel:
+        """Return the system that noise drives over the window, for a simulation of it."""
+        motions = [Motion(run.fast, run.slow, run.contact) for run in responses]
+        step = self.block_step(unknowns)
+        return DeviationModel(step, 1.0 / self.block_rate, motions)
 
     def reversals(self, responses: list[StretchResponse]) -> list[int]:
         """Return the numbers of the samples at which the screw began to move the other way."""
         pairs = zip(self.stretches, responses, strict=True)
         return [stretch.first + sample for stretch, run in pairs for sample in run.reversals]
 
-    def block_step(self, unknowns: Unknowns) -> DiscreteStructure:
-        """Return the structure's model from block to block."""
-        return self._by_blocks(unknowns.factors)[1]
+    def travel_per_volt(self, unknowns: Unknowns) -> float:
+        """Return the speed of the screw for a volt [m/(V s)]; the motor settles in milliseconds."""
+        gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
+        return self._model.lead_screw.pitch * gain / self._model.motor.back_emf_constant
 
     def _add_play(
         self,
@@ -225,7 +247,7 @@ class WindowModel:
             jacobian[knot, begin:] = simulate_structure(step, at_rest, base_of * turned)
         gap = dot(initial, unknowns.gaps)
         # The angle of the motor begins at its place in the gap.
-        turned = (run.motor - 0.5 * share * gap) * moved
+        turned = (run.motor + run.drives[DRIVES.index("gain")] - 0.5 * share * gap) * moved
         jacobian[self.knots.size] = simulate_structure(step, at_rest, base_of * turned)
         jacobian[first] = simulate_structure(step, at_rest, base_of * 0.5 * gap * moved)
 

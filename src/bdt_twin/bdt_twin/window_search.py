@@ -10,6 +10,7 @@ from bdt_twin.fixed_order import standard_deviation
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.model_factors import FACTORS
+from bdt_twin.noise_levels import is_restless, quiet
 from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_model import WindowModel
@@ -24,7 +25,7 @@ ROUGH, FINE = 5, 10
 """Largest numbers of steps of a fit to choose a beginning by, and of one that counts."""
 PREDICTION_SIMULATIONS = 4
 """Simulations after which a prediction has to describe the data."""
-MOST_SAMPLES = 1_200_000
+MOST_SAMPLES = 900_000
 """Samples that a fit may simulate, which bounds the time that it takes."""
 FEWEST_SIMULATIONS = 9
 """Simulations that a fit may make, however long the window is."""
@@ -34,7 +35,9 @@ COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
 """Lowest rates at which a beginning is chosen [Hz]: motor and structure are hardly faster."""
 WORSE = 2.0
 """Growth of the residual from window to window that makes the fit begin anew."""
-EXPLAINED = 1e-6
+QUIETER_ERROR = 1.1
+"""Growth of the prediction error for which a motor that rested is thought to walk again."""
+EXPLAINED = 2e-5
 """Share of the position's motion in a prediction error that is small enough."""
 
 
@@ -83,14 +86,20 @@ def fit_window(
         return _from_many(problem, window, growth_change, machine, simulations)
     motion = max(standard_deviation(stretch.position) for stretch in window.stretches)
     enough = max(WORSE * error, EXPLAINED * motion)
+    # What a model explains is not taken for a walk of the motor only because it was before.
+    may_rest = levels is not None and is_restless(levels)
+    first = quiet(levels) if levels is not None and may_rest else levels
     followed = problem.solve(
         predicted,
         FINE,
         simulations,
-        levels=levels,
+        levels=first,
         patience=PREDICTION_SIMULATIONS,
         enough=enough,
     )
+    if may_rest and followed.prediction_error > QUIETER_ERROR * error:
+        walking = problem.solve(predicted, FINE, ROUGH_SIMULATIONS, levels=levels)
+        followed = min(followed, walking, key=lambda each: each.prediction_error)
     if followed.prediction_error <= enough:
         return followed
     fit = _from_many(problem, window, growth_change, machine, FEWEST_SIMULATIONS)

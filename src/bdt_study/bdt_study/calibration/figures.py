@@ -9,8 +9,8 @@ from bdt_analysis.figures import figure_style as style
 from bdt_analysis.figures.decimation import envelope, hole_length
 from bdt_analysis.figures.run_figures import COLUMNS
 from bdt_study.calibration.calibrate import Calibration
+from bdt_study.calibration.prior_knowledge import CALIBRATED_EFFECTS
 from bdt_study.calibration.validation import Residual
-from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
@@ -70,10 +70,11 @@ def spectrum_figure(result: Calibration) -> Figure:
 
 def correlation_table(result: Calibration) -> tuple[list[str], list[list[str]]]:
     """Return names, and the correlations of what was fitted as texts."""
-    covariance = result.found.fit.machine.covariance
+    fitted = (*FACTORS, *CALIBRATED_EFFECTS)
+    covariance = result.found.fit.machine.covariance[: len(fitted), : len(fitted)]
     scale = 1.0 / np.sqrt(np.diag(covariance))
     correlations = covariance * np.outer(scale, scale)
-    names = [name.replace("_", " ") for name in (*FACTORS, *EFFECTS)]
+    names = [name.replace("_", " ") for name in fitted]
     return names, [[f"{value:+.2f}" for value in row] for row in correlations.tolist()]
 
 

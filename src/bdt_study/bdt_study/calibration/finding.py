@@ -9,7 +9,11 @@ from bdt_plant.friction import friction_voltage
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.constant import Constant
 from bdt_study.calibration.identification import Identification
-from bdt_study.calibration.prior_knowledge import EFFECT_SPREAD, FACTOR_SPREAD
+from bdt_study.calibration.prior_knowledge import (
+    CALIBRATED_EFFECTS,
+    EFFECT_SPREAD,
+    FACTOR_SPREAD,
+)
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 
@@ -55,16 +59,16 @@ class Finding:
     Attributes
     ----------
     values, deviations : dict of str to float
-        For each of ``FACTORS`` (as the factor itself) and ``EFFECTS`` its value and its standard
-        uncertainty, which is relative for a factor.
+        For each of ``FACTORS`` (as the factor itself) and ``CALIBRATED_EFFECTS`` its value and its
+        standard uncertainty, which is relative for a factor.
     determined : dict of str to bool
         Whether the data have determined it.
     """
 
     def __init__(self, start: PlantModel, found: Identification) -> None:
         machine = found.fit.machine
-        names = (*FACTORS, *EFFECTS)
-        deviations = np.sqrt(np.diag(machine.covariance)).tolist()
+        names = (*FACTORS, *CALIBRATED_EFFECTS)
+        deviations = np.sqrt(np.diag(machine.covariance))[: len(names)].tolist()
         friction = len(FACTORS) + EFFECTS.index("friction_voltage")
         doubt = _friction_doubt(found)
         deviations[friction] = math.hypot(deviations[friction], doubt)
@@ -76,7 +80,7 @@ class Finding:
             gain,
             *(after / before for after, before in zip(*ratios, strict=True)),
         )
-        values = [*factors, *machine.expected[len(FACTORS) :].tolist()]
+        values = [*factors, *machine.expected[len(FACTORS) : len(names)].tolist()]
         starts = [1.0] * len(FACTORS) + [friction_voltage(start.motor), 0.0, 0.0, 0.0]
         spreads = (*FACTOR_SPREAD, *EFFECT_SPREAD)
         self.values, self.deviations = {}, {}

@@ -9,9 +9,12 @@ from bdt_twin.noise_levels import SMALLEST_NOISE
 
 FACTOR_SPREAD = (0.7, 0.7, 0.7)
 """Prior standard deviations of the logarithms of ``FACTORS``: twice as large, or half."""
+CALIBRATED_EFFECTS = ("friction_voltage", "voltage_offset", "delay", "drift")
+"""Those of ``EFFECTS`` that a calibration looks for, the first ones; a machine has no others."""
 EFFECT_SPREAD = (1.0, 0.2, 2e-3, 1e-5)
-"""Prior standard deviations of ``EFFECTS`` [V, V, s, m/s]."""
-HELD_SPREAD = (1e-7, 1e-7, 1e-7, 1e-7, 1e-7, 1e-9, 1e-12)
+"""Prior standard deviations of ``CALIBRATED_EFFECTS`` [V, V, s, m/s]."""
+_NONE = (1e-9,) * (len(EFFECTS) - len(CALIBRATED_EFFECTS))
+HELD_SPREAD = (1e-7, 1e-7, 1e-7, 1e-7, 1e-7, 1e-9, 1e-12, *_NONE)
 """Standard deviations of ``FACTORS`` and ``EFFECTS`` that stay what they are."""
 PLAUSIBLE = 4.0
 """Standard deviations of the prior within which a machine is one."""
@@ -27,7 +30,7 @@ def wide_knowledge(friction: float) -> MachineKnowledge:
     friction : float
         Expected voltage of the friction [V].
     """
-    return independent_knowledge(friction, (*FACTOR_SPREAD, *EFFECT_SPREAD))
+    return independent_knowledge(friction, (*FACTOR_SPREAD, *EFFECT_SPREAD, *_NONE))
 
 
 def without_late_readings(knowledge: MachineKnowledge) -> MachineKnowledge:

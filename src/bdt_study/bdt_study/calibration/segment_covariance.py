@@ -15,11 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_study.calibration.calibration_window import CalibrationWindow
-from bdt_twin.block_residual import variance_inflation
+from bdt_twin.fit_doubt import covariance_inflation, huber_weights
 from bdt_twin.fit_result import Fit
-from bdt_twin.innovations import Whitening
-from bdt_twin.noise_levels import HUBER
-from bdt_twin.output_error_fit import MACHINE_DOUBT, PUSHED, huber_weights
 
 FloatArray = NDArray[np.float64]
 
@@ -37,24 +34,8 @@ def segment_covariance(window: CalibrationWindow, fit: Fit) -> FloatArray:
     fit : Fit
         The fit.
     """
-    means = [
-        (stretch.position - run.position).reshape(-1, window.block).mean(axis=1)
-        for stretch, run in zip(window.stretches, fit.responses, strict=True)
-    ]
-    whitening = Whitening(
-        window.block_step(fit.unknowns),
-        1.0 / window.block_rate,
-        window.motions(fit.responses),
-        fit.levels,
-        np.concatenate(means),
-        PUSHED,
-    )
-    jacobian = whitening.apply(window.jacobian(fit.unknowns, fit.responses))
-    bounded = np.clip(fit.innovations, -HUBER, HUBER)
-    inflation = variance_inflation(bounded, window.block_rate)
-    inflation *= max(1.0, float(np.mean(np.square(bounded))))
-    if any(fit.levels[1:]):
-        inflation *= MACHINE_DOUBT * MACHINE_DOUBT
+    jacobian = fit.whitening.apply(window.jacobian(fit.unknowns, fit.responses))
+    inflation = covariance_inflation(fit.innovations, fit.levels, window.block_rate)
     # The slope that belongs to the information behind the fit's covariance.
     slopes = jacobian * (huber_weights(fit.innovations) * fit.innovations / inflation)
     length = max(round(SEGMENT * window.block_rate), 1)

@@ -24,7 +24,7 @@ from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.estimator_choice import EstimatorChoice, create_estimator
 from bdt_twin.inverse_filter import InverseFilterSettings
-from bdt_twin.output_error import AcceptedFit
+from bdt_twin.next_fit import AcceptedFit
 from bdt_twin.output_error_settings import OutputErrorSettings
 
 FloatArray = NDArray[np.float64]

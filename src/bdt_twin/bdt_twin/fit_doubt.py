@@ -1,0 +1,54 @@
+"""Why a fit is less sure than its residual would be if it were white noise.
+
+What is left in the innovations that is not white says less than they are many, and where a machine
+has noise its levels are found from the same data.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_twin.block_residual import variance_inflation
+from bdt_twin.fixed_order import mean
+from bdt_twin.innovations import NoiseLevels
+from bdt_twin.noise_levels import HUBER, is_restless
+
+FloatArray = NDArray[np.float64]
+
+MACHINE_DOUBT = 1.3
+"""Factor by which uncertainties are larger where a machine has noise: its levels are found from the
+same data, and stick and slip is rarer and larger than what is normal."""
+
+RESTLESS_DOUBT = 1.3
+"""The same, once more, where the motor walks so much that something is not explained."""
+SHORT, SHORT_AND_RESTLESS = 3.0, 8.0
+"""Time [s] in which a window has seen too little to know what it cannot explain, and the same where
+the motor walks a lot."""
+
+
+def huber_weights(innovations: FloatArray) -> FloatArray:
+    """Return the weights that make squares out of Huber's loss."""
+    weights: FloatArray = HUBER / np.maximum(np.abs(innovations), HUBER)
+    return weights
+
+
+def covariance_inflation(innovations: FloatArray, levels: NoiseLevels, rate: float) -> float:
+    """Return by how many times the covariance of a fit exceeds that of white innovations.
+
+    Parameters
+    ----------
+    innovations : ndarray, shape (blocks,)
+        Innovations over their standard deviations.
+    levels : NoiseLevels
+        Levels of noise.
+    rate : float
+        Blocks in a second [Hz].
+    """
+    bounded = np.clip(innovations, -HUBER, HUBER)
+    inflation = variance_inflation(bounded, rate) * max(1.0, mean(np.square(bounded)))
+    if any(levels[1:]):
+        inflation *= MACHINE_DOUBT * MACHINE_DOUBT
+    time, short = innovations.size / rate, SHORT
+    if is_restless(levels):
+        inflation *= RESTLESS_DOUBT * RESTLESS_DOUBT
+        short = SHORT_AND_RESTLESS
+    return inflation * (1.0 + (short / time) * (short / time))

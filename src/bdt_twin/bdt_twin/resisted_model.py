@@ -1,0 +1,87 @@
+"""The twin's model of the plant for factors and effects that a fit is looking for."""
+
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_plant.elementary_functions import FULL_TURN, exponential, sine_of_turns
+from bdt_plant.plant import PlantModel
+from bdt_plant.resisted_motor import ResistedMotor
+from bdt_plant.screw_load import ScrewLoad
+from bdt_plant.stribeck import FrictionLaw
+from bdt_twin.machine_knowledge import EFFECTS, USUAL_STRIBECK_SPEED
+from bdt_twin.model_factors import FACTORS, plant_step_with
+from bdt_twin.resisted_plant import NO_COGS, Cogs, ResistedPlant
+
+FloatArray = NDArray[np.float64]
+Wave = TypeVar("Wave", float, NDArray[np.float64])
+
+
+def resisted_plant_with(
+    model: PlantModel, factors: FloatArray, effects: FloatArray, sample_time: float
+) -> ResistedPlant:
+    """Return the discrete model of the plant with its factors and effects.
+
+    Parameters
+    ----------
+    model : PlantModel
+        Constants of the mechanism without factors.
+    factors : ndarray, shape (3,)
+        Natural logarithms of ``model_factors.FACTORS``.
+    effects : ndarray, shape (effects,)
+        ``machine_knowledge.EFFECTS``.
+    sample_time : float
+        Sample time [s].
+    """
+    effect = dict(zip(EFFECTS, effects.tolist(), strict=True))
+    resistance = float(model.motor.resistance)
+    current = effect["friction_voltage"] / resistance
+    plant = plant_step_with(model, factors, sample_time)
+    plant = plant._replace(friction=plant.friction._replace(current=current))
+    motor = ResistedMotor(
+        plant.motor,
+        resistance,
+        plant.friction.decay,
+        plant.motor.speed[0] + resistance * plant.motor.speed[2],
+    )
+    speed = USUAL_STRIBECK_SPEED * float(exponential(effect["stribeck_speed"]))
+    friction = FrictionLaw(current, effect["excess_voltage"] / resistance, speed, 1.0, 1.0)
+    ratios = exponential(factors)
+    return ResistedPlant(
+        plant,
+        motor,
+        friction,
+        ScrewLoad(effect["load_voltage"] / resistance, 0.0),
+        model.structure.stiffness * float(ratios[FACTORS.index("stiffness")]),
+        model.structure.damping * float(ratios[FACTORS.index("damping")]),
+        NO_COGS,
+    )
+
+
+def with_cogs(step: ResistedPlant, cogs: int, turns: float, effects: FloatArray) -> ResistedPlant:
+    """Return a model with the cogging of a stretch of data.
+
+    Parameters
+    ----------
+    step : ResistedPlant
+        The model without.
+    cogs : int
+        Periods of the cogging in a turn of the motor; 0 for none.
+    turns : float
+        Part of a cog's period at which the screw is when the stretch begins.
+    effects : ndarray, shape (effects,)
+        ``machine_knowledge.EFFECTS``.
+    """
+    if cogs == 0:
+        return step
+    effect = dict(zip(EFFECTS, effects.tolist(), strict=True))
+    sine, cosine = rotated(effect["cogging_sine"], effect["cogging_cosine"], turns)
+    resistance = step.motor.resistance
+    return step._replace(cogs=Cogs(cogs / FULL_TURN, sine / resistance, cosine / resistance))
+
+
+def rotated(sine: Wave, cosine: Wave, turns: float) -> tuple[Wave, Wave]:
+    """Return the parts of a wave of an angle that begins some turns later."""
+    real, imaginary = sine_of_turns(turns + 0.25), sine_of_turns(turns)
+    return sine * real - cosine * imaginary, sine * imaginary + cosine * real

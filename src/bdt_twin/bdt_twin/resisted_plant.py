@@ -1,0 +1,156 @@
+"""The plant of the paper with a motor that friction holds back by its speed, and a load by force.
+
+What the paper leaves out acts on the motor only: its friction is larger at rest (Stribeck), and the
+structure resists the screw. Both are torques that are held over a sample, from the plant's own
+functions.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bdt_plant.elementary_functions import decaying_exponential, sine_of_turns
+from bdt_plant.lead_screw import contact_side, play
+from bdt_plant.plant import DiscretePlant, PlantState
+from bdt_plant.resisted_motor import ResistedMotor, resisted_motor_step
+from bdt_plant.screw_load import ScrewLoad, backward_load, forward_load
+from bdt_plant.stribeck import FrictionLaw
+from bdt_plant.structure import structure_step
+
+FAST = 4.0
+"""Multiples of the Stribeck speed from which on friction is that of a fast motor."""
+COGGED_SPEED = 20.0
+"""Speed from which on cogging is not felt [rad/s]: it changes its sign many times in a second."""
+SHARES_PER_SPEED = 128
+"""Values of the share of friction at rest that are known for each Stribeck speed."""
+SHARES = np.array(
+    [
+        decaying_exponential(-((number / SHARES_PER_SPEED) ** 2))
+        for number in range(round(FAST * SHARES_PER_SPEED) + 1)
+    ]
+)
+"""Stribeck's curve; the line between two values is off by 2e-5."""
+
+
+class Cogs(NamedTuple):
+    """Cogging, a wave of the motor's angle, as currents against forward motion.
+
+    Attributes
+    ----------
+    periods_per_radian : float
+        Periods in one radian; 0 for none.
+    sine, cosine : float
+        Parts of the wave [A].
+    """
+
+    periods_per_radian: float
+    sine: float
+    cosine: float
+
+
+NO_COGS = Cogs(0.0, 0.0, 0.0)
+"""No cogging."""
+
+
+class ResistedPlant(NamedTuple):
+    """Discrete model of the plant with a resisted motor.
+
+    Attributes
+    ----------
+    plant : DiscretePlant
+        The plant, with Coulomb friction.
+    motor : ResistedMotor
+        The motor alone.
+    friction : FrictionLaw
+        Its friction.
+    load : ScrewLoad
+        What it feels of the structure.
+    stiffness, damping : float
+        Those of the structure's lowest beams [N/m, N s/m].
+    cogs : Cogs
+        Cogging of the motor.
+    """
+
+    plant: DiscretePlant
+    motor: ResistedMotor
+    friction: FrictionLaw
+    load: ScrewLoad
+    stiffness: float
+    damping: float
+    cogs: Cogs
+
+
+def resisted_plant_step(
+    state: PlantState, voltage: float, gap: float, step: ResistedPlant
+) -> PlantState:
+    """Advance the plant by one sample (eqs 1, 2, 3 and 6, and what resists the motor).
+
+    In contact the screw moves evenly within a sample, which is within nanometers of
+    :func:`bdt_plant.plant.plant_step`.
+
+    Parameters
+    ----------
+    state : PlantState
+        State at the beginning of the sample.
+    voltage : float
+        Motor voltage u [V], held over the sample.
+    gap : float
+        Backlash gap theta_b [rad] at the end of the sample.
+    step : ResistedPlant
+        Discrete model of the plant.
+    """
+    law, speed = step.friction, state.motor.speed
+    is_slow = law.excess > 0.0 and abs(speed) < FAST * law.stribeck_speed
+    is_loaded = step.load.against > 0.0 and state.contact != 0
+    forward = backward = 0.0
+    if is_loaded:
+        force = screw_force(state, step)
+        forward = forward_load(force, state.contact, gap, step.load)
+        backward = backward_load(force, state.contact, gap, step.load)
+    load = 0.0
+    if step.cogs.periods_per_radian > 0.0 and abs(speed) < COGGED_SPEED:
+        turns = state.motor.angle * step.cogs.periods_per_radian
+        load = step.cogs.sine * sine_of_turns(turns)
+        load += step.cogs.cosine * sine_of_turns(turns + 0.25)
+    middle, motor = speed, state.motor
+    # A second time with the friction of the speed in the middle of the sample.
+    for _ in range(2 if is_slow else 1):
+        size = law.coulomb
+        if is_slow:
+            size += law.excess * slow_share(middle, law.stribeck_speed)
+        motor = resisted_motor_step(
+            state.motor, voltage, load, backward + size, forward + size, step.motor
+        )
+        if speed * motor.speed <= 0.0:
+            break
+        middle = 0.5 * (speed + motor.speed)
+    theta_d = play(state.theta_d, motor.angle, gap)
+    contact = contact_side(theta_d, motor.angle, gap)
+    pitch = step.plant.pitch
+    structure = structure_step(
+        state.structure, pitch * state.theta_d, pitch * theta_d, step.plant.structure
+    )
+    return PlantState(motor, theta_d, contact, structure)
+
+
+def screw_force(state: PlantState, step: ResistedPlant) -> float:
+    """Return the force with which the structure resists the screw, positive backward [N]."""
+    pitch, structure = step.plant.pitch, state.structure
+    velocity = pitch * state.motor.speed if state.contact != 0 else 0.0
+    return step.stiffness * (pitch * state.theta_d - structure.q2) + step.damping * (
+        velocity - structure.q2_velocity
+    )
+
+
+def slow_share(speed: float, stribeck_speed: float) -> float:
+    """Return which share of the excess of friction at rest is there at a speed [rad/s].
+
+    This is the curve of :func:`bdt_plant.stribeck.friction_size`, from a table: it is asked for
+    several times in each sample.
+    """
+    place = abs(speed) / stribeck_speed * SHARES_PER_SPEED
+    number = int(place)
+    if number >= SHARES.size - 1:
+        return 0.0
+    below = float(SHARES[number])
+    return below + (place - number) * (float(SHARES[number + 1]) - below)
