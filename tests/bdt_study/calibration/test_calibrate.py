@@ -120,7 +120,7 @@ def test_files_and_json_of_the_command(bag, start, tmp_path, capsys):
     assert stiffness["unit"] == "N/m"
     assert stiffness["standard_uncertainty"] < 10.0
     assert said["gap_rad"] == pytest.approx(GAP, abs=math.radians(0.1))
-    assert said["gap_standard_uncertainty_rad"] < math.radians(0.1)
+    assert said["gap_standard_uncertainty_rad"] < math.radians(0.2)
     assert said["delay_s"] == said["parameters"]["sensor.delay"]["value"]
     assert said["validation_rms_m"] < 2.0 * said["residual_rms_m"]
     configuration = load_configuration(output)
