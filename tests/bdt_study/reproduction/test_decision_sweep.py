@@ -35,7 +35,7 @@ def test_decisions_by_simulation_are_stable_and_redesigned_gains_have_the_least_
     assert by_way[ORACLE].limit_cycles == 0
     # Eq. 9: p theta_b over 5 mm.
     assert by_way[EQUATION_9].width == pytest.approx(100.0 * 1e-3 * 20.0 / 360.0 / 5e-3)
-    assert by_way[REDESIGNED].width < 0.6 * by_way[EQUATION_9].width
+    assert by_way[REDESIGNED].width < 0.7 * by_way[EQUATION_9].width
 
 
 def outcome(way, bias=0.5, limit_cycles=0):
