@@ -6,8 +6,8 @@ import sys
 import threading
 import warnings
 import weakref
-from collections.abc import Callable, Coroutine, Generator, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Coroutine, Generator
+from contextlib import AbstractContextManager
 from enum import Enum
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
@@ -145,16 +145,36 @@ class Future(Generic[T]):
         """Have done callbacks run as tasks, from now on."""
         self._runner = None if runner is None else weakref.ref(runner)
 
-    @contextmanager
-    def _waking(self, wake: Callable[[], None]) -> Iterator[None]:
+    def _waking(self, wake: Callable[[], None]) -> "_Waking":
         """Have `wake` called if the future is settled or given up meanwhile, by any thread."""
+        return _Waking(self._gate, self._sleepers, wake)
+
+
+class _Waking:
+    """A sleeper of a future for the time of a ``with`` block.
+
+    No generator: an executor that spins until a future is done enters one for each callback.
+    """
+
+    __slots__ = ("_gate", "_sleepers", "_wake")
+
+    def __init__(
+        self,
+        gate: AbstractContextManager[Any],
+        sleepers: list[Callable[[], None]],
+        wake: Callable[[], None],
+    ) -> None:
+        self._gate = gate
+        self._sleepers = sleepers
+        self._wake = wake
+
+    def __enter__(self) -> None:
         with self._gate:
-            self._sleepers.append(wake)
-        try:
-            yield
-        finally:
-            with self._gate:
-                self._sleepers.remove(wake)
+            self._sleepers.append(self._wake)
+
+    def __exit__(self, *_: object) -> None:
+        with self._gate:
+            self._sleepers.remove(self._wake)
 
 
 if TYPE_CHECKING:
