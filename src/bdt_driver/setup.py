@@ -32,9 +32,6 @@ setup(
         "console_scripts": [
             "driver_node = bdt_driver.driver_node:main",
         ],
-        "bdt.node": [
-            "driver = bdt_driver.driver_node:DriverNode",
-        ],
         "bdt.parameters": [
             "driver = bdt_driver.parameters:PARAMETERS",
         ],

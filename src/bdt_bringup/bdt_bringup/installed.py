@@ -19,6 +19,7 @@ PACKAGE_OF_COMMAND = {
     "compare": "bdt_analysis",
     "calibrate": "bdt_study",
     "design": "bdt_study",
+    "tune": "bdt_study",
     "reproduce": "bdt_study",
     "evaluate": "bdt_study",
     "bench": "bdt_study",
