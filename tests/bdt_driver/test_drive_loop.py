@@ -202,6 +202,15 @@ def test_a_closed_drive_is_stopped_before(bench):
     assert bench.tick() is None
 
 
+def test_a_drive_that_does_not_open_is_closed(bench):
+    bench.loop.close()
+    bench.drive.failing = "open"
+    with pytest.raises(DriveError, match="cable is pulled"):
+        bench.loop.open(bench.now)
+    assert bench.drive.calls[-2:] == ["open", "close"]
+    assert bench.loop.state is State.CLOSED
+
+
 def test_what_does_not_stop_is_closed_all_the_same(bench):
     bench.tick()
     bench.drive.failing = "stop"

@@ -75,6 +75,18 @@ def test_armed_it_obeys_the_answer_to_its_measurement(peer):
     assert 0.0 < peer.drive.written[0] <= 0.05
 
 
+def test_armed_without_commands_it_says_so(peer):
+    peer.ros.spin_until(lambda: "read" in peer.drive.calls)
+    peer.call("arm")
+    health = peer.node._health()
+    assert not health.ok
+    assert "armed, and no commands come" in health.summary
+    peer.ros.spin_until(peer.measurements)
+    peer.answer(5.0)
+    peer.ros.spin_until(lambda: peer.drive.written)
+    assert "no commands come" not in peer.node._health().summary
+
+
 def test_disarmed_during_motion_it_stops(peer):
     peer.ros.spin_until(lambda: "read" in peer.drive.calls)
     peer.call("arm")

@@ -34,6 +34,24 @@ def test_what_is_no_drive_is_refused_in_a_line(kind, options, message):
     assert "\n" not in str(caught.value)
 
 
+def test_a_call_that_was_stopped_as_it_returned_is_told_by_the_next_one():
+    """The second thread may find a call late in the very moment of its end."""
+    drive = create("rail_drive:RailDrive")
+    drive._late = "read lasts longer than 0.1 s: stopped"
+    with pytest.raises(DriveError, match="read lasts longer"):
+        drive.write(1.0)
+    drive.write(1.0)
+
+
+def test_a_late_call_that_fails_tells_its_own_fault_and_no_other():
+    drive = create("rail_drive:RailDrive")
+    MADE[-1].failing = "read"
+    drive._late = "read lasts longer than 0.1 s: stopped"
+    with pytest.raises(DriveError, match="the cable is pulled"):
+        drive.read()
+    drive.stop()
+
+
 @pytest.mark.parametrize("found", [None, 1.0, (1.0,), ("a", 1.0), (1.0, 2.0, None, "x")])
 def test_a_reading_that_is_none_is_a_fault(found):
     drive = create("rail_drive:RailDrive")

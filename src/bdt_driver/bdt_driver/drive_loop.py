@@ -1,7 +1,7 @@
 """The states of a drive and what happens in each: reading, commands, silence, faults."""
 
 from enum import StrEnum
-from typing import NamedTuple
+from typing import NamedTuple, Never
 
 from bdt_driver.drive import Reading
 from bdt_driver.driver_settings import DriveLimits, DriverSettings
@@ -92,9 +92,12 @@ class DriveLoop:
         Raises
         ------
         DriveError
-            If the drive does not open; it stays closed.
+            If the drive does not open; it is closed again.
         """
-        self._drive.open()
+        try:
+            self._drive.open()
+        except DriveError as error:
+            self._close_after(error)
         self.state, self.fault = State.OPEN, ""
         self._newest, self._read_at = None, now
 
@@ -154,6 +157,13 @@ class DriveLoop:
             self._stop()
         finally:
             self._drive.close()
+
+    def _close_after(self, fault: DriveError) -> Never:
+        try:
+            self._drive.close()
+        except DriveError as error:
+            raise DriveError(f"{fault}; and it does not close: {error}") from fault
+        raise fault
 
     # Every period --------------------------------------------------------------------------
 

@@ -186,7 +186,6 @@ class DriverNode(Node):
         if loop.state is State.ARMED and not loop.is_engaged:
             texts.append("armed, and no commands come")
         troubles = loop.missed + loop.silences + loop.unreadable + loop.limited
-        texts = [loop.fault or self._late_call] if loop.fault or self._late_call else []
         if troubles > self._reported_troubles:
             texts.append("readings or commands missing, or commands beyond a limit")
         self._reported_troubles, self._late_call = troubles, ""

@@ -137,15 +137,19 @@ class GuardedDrive:
 
     @contextmanager
     def _called(self, name: str) -> Iterator[None]:
-        self._late = ""
         self._call = name, time.monotonic()
         try:
             with self._code.errors_in_one_line():
                 yield
+        except DriveError:
+            self._late = ""  # what the call itself says is told
+            raise
         finally:
             self._call = None
-        if self._late:
-            self._code.fail(self._code.factory, self._late)
+        # Kept until it is told: the second thread may find a call late as it returns.
+        late, self._late = self._late, ""
+        if late:
+            self._code.fail(self._code.factory, late)
 
     def _watch_calls(self) -> None:
         # Looks now and then: a wake-up for each call would cost more than the call.
