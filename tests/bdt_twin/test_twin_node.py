@@ -36,6 +36,7 @@ from bdt_plant.plant_simulator import PlantSimulator
 from bdt_twin.decider import create_decider
 from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
+from bdt_twin.simulated_decision import ControllerGains
 from bdt_twin.twin_node import TwinNode
 
 GAP = np.deg2rad(10.0)
@@ -694,9 +695,9 @@ def test_a_twin_that_simulates_commands_what_its_core_decides_and_tells_why(ros,
     bench = Bench(ros, communication_delay=0.5, decision__kind="simulate", decision__members=2)
     bench.run(telemetry)
     settings = DecisionSettings(kind="simulate", members=2)
-    gains = (PidGains(), NotchFilter()) * 2
+    gains = ControllerGains(PidGains(), NotchFilter())
     estimator = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
-    decide = create_decider(settings, PlantModel(), gains, estimator, 0.5, 0.0)
+    decide = create_decider(settings, PlantModel(), gains, gains, estimator, 0.5, 0.0)
     batches = [telemetry[start : start + BATCH] for start in range(0, len(telemetry), BATCH)]
     decisions = [
         decide(rows, estimator.update(rows), begins=number == 0)

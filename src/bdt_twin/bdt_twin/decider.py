@@ -1,13 +1,10 @@
 """What decides by simulation beside an estimator, in the node and offline."""
 
-from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_controller.notch import NotchFilter
-from bdt_controller.pid import PidGains
 from bdt_plant.plant import PlantModel
 from bdt_twin.decision_loop import compiled_steps
 from bdt_twin.decision_settings import DecisionSettings
@@ -37,7 +34,8 @@ def no_decider(rows: FloatArray, estimate: Estimate | None, *, begins: bool) -> 
 def create_decider(
     settings: DecisionSettings,
     model: PlantModel,
-    gains: Sequence[PidGains | NotchFilter],
+    today: ControllerGains,
+    redesign: ControllerGains,
     estimator: Estimator,
     delay: float,
     horizon: float,
@@ -50,8 +48,8 @@ def create_decider(
         How.
     model : PlantModel
         The mechanism, as the twin knows it.
-    gains : sequence of PidGains and NotchFilter
-        Gains and filter of the controller, and those that they may be set to.
+    today, redesign : ControllerGains
+        Gains of the controller, and those that they may be set to.
     estimator : Estimator
         What knows the mechanism; used where the estimator is.
     delay : float
@@ -61,15 +59,10 @@ def create_decider(
     """
     if settings.kind == "equation_9":
         return no_decider
-    pid, notch, new_pid, new_notch = gains
-    if not (isinstance(pid, PidGains) and isinstance(new_pid, PidGains)):
-        raise TypeError("gains must be those of a PID, a filter, and both again")
-    if not (isinstance(notch, NotchFilter) and isinstance(new_notch, NotchFilter)):
-        raise TypeError("gains must be those of a PID, a filter, and both again")
-    redesign = ControllerGains(new_pid, new_notch) if settings.reconfigure_gains else None
+    offered = redesign if settings.reconfigure_gains else None
     # Whatever is not in numba's cache is compiled now, not when the first batch waits.
     compiled_steps()
-    decision = SimulatedDecision(settings, model, ControllerGains(pid, notch), redesign, horizon)
+    decision = SimulatedDecision(settings, model, today, offered, horizon)
 
     def decide(rows: FloatArray, estimate: Estimate | None, *, begins: bool) -> Decision | None:
         if begins:

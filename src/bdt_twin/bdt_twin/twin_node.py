@@ -41,7 +41,12 @@ from bdt_twin.estimator_choice import create_estimator
 from bdt_twin.link import DelayedLink
 from bdt_twin.parameters import PARAMETERS
 from bdt_twin.reconfiguration import Reconfigurator
-from bdt_twin.simulated_decision import Decision, decision_values, taken_back_because
+from bdt_twin.simulated_decision import (
+    ControllerGains,
+    Decision,
+    decision_values,
+    taken_back_because,
+)
 
 OF_THE_CONTROLLER = ("pid.", "notch.", "redesign.")
 BOUNDED = "the gap is too uncertain: dead_zone.largest_growth bounds the dead zone"
@@ -103,9 +108,9 @@ class TwinNode(Node):
             TimeReference, PROGRESS.name, qos_profile(PROGRESS)
         )
         estimated = self.create_guard_condition(self._take_outcomes)
-        decider = create_decider(
-            deciding, model, gains, estimator, self._link.expected_delay, dead_zone.horizon
-        )
+        today, redesign = ControllerGains(*gains[:2]), ControllerGains(*gains[2:])
+        delay, horizon = self._link.expected_delay, dead_zone.horizon
+        decider = create_decider(deciding, model, today, redesign, estimator, delay, horizon)
         self._estimation = EstimationThread(estimator, estimated.trigger, decider)
         self.create_subscription(
             Float64MultiArray, TELEMETRY.name, self._take_telemetry, qos_profile(TELEMETRY)

@@ -219,8 +219,8 @@ def python_loop_with_decisions(scenario, decision, redesign, delay):
     plant = PlantSimulator(scenario.model, scenario.gap, Sampling(), scenario.sensor)
     controller = DeadZoneController(PidGains(), ControllerSettings())
     estimator = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
-    gains = (PidGains(), NO_NOTCH, *redesign)
-    decide = create_decider(decision, PlantModel(), gains, estimator, delay, 0.0)
+    today = ControllerGains(PidGains(), NO_NOTCH)
+    decide = create_decider(decision, PlantModel(), today, redesign, estimator, delay, 0.0)
     rows, on_the_way, decisions = [], [], []
     for step in range(scenario.control_steps):
         while on_the_way and on_the_way[0][0] <= plant.nanoseconds:

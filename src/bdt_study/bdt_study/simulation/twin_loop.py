@@ -138,7 +138,8 @@ def simulate_with_twin(
     decider = create_decider(
         decision,
         scenario.model if believed is None else believed,
-        (*gains, *(redesign or gains)),
+        gains,
+        redesign or gains,
         estimator,
         delayed.expected_delay,
         dead_zone.horizon,
