@@ -157,6 +157,7 @@ class MyNode(Node):
 
     def work(self):
         at("work")
+        exec("at('text')")
         self.finished.set_result(None)
 
     def destroy_node(self):
@@ -178,11 +179,21 @@ sys.exit(code)
 
 @pytest.mark.parametrize(
     "places",
-    [("creation",), ("work",), ("end",), ("exit",), ("last",), ("work", "end", "exit", "last")],
+    [
+        ("creation",),
+        ("work",),
+        ("text",),
+        ("end",),
+        ("exit",),
+        ("last",),
+        ("work", "end", "exit", "last"),
+    ],
 )
-def test_ctrl_c_at_any_time_ends_a_node_without_complaint(places):
+def test_ctrl_c_at_any_time_ends_a_node_without_complaint(places, tmp_path):
+    (tmp_path / "my_node.py").write_text(INTERRUPTED)
     process = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED, *places],
+        [sys.executable, "-m", "my_node", *places],
+        cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

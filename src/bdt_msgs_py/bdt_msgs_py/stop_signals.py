@@ -65,6 +65,9 @@ class InterruptOfWork:
     def work_is_over(self) -> None:
         """Let the process end undisturbed: the work is done."""
         self._is_over = True
+        # Python remembers an interrupt that came out of the last text it executed, handled or
+        # not, and would end a module's process by the signal. Numba executes texts.
+        exec("")  # noqa: S102
 
     def _interrupt(self, _number: int, _frame: FrameType | None) -> None:
         if not self._is_over:
