@@ -81,7 +81,10 @@ def quality_of_service(topic: Any) -> str:
     words = ["reliable" if topic.reliable else "best effort"]
     if topic.transient_local:
         words.append("transient local")
-    return ", ".join([*words, f"depth {topic.depth}"])
+    words.append(f"depth {topic.depth}")
+    if topic.kept > topic.depth:
+        words.append(f"publishers keep {topic.kept}")
+    return ", ".join(words)
 
 
 def allowed_text(described: Any) -> str:

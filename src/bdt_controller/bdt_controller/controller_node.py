@@ -28,7 +28,7 @@ from bdt_msgs_py.node_parameters import (
     reconfigured,
     rejected,
 )
-from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.qos import publisher_profile, qos_profile
 from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.topics import (
     COMMAND,
@@ -70,7 +70,7 @@ class ControllerNode(Node):
         self._reset()
 
         self._command_publisher = self.create_publisher(
-            JointState, COMMAND.name, qos_profile(COMMAND)
+            JointState, COMMAND.name, publisher_profile(COMMAND)
         )
         if self._reference.kind == "topic":
             self.create_subscription(

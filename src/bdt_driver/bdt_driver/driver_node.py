@@ -22,7 +22,7 @@ from bdt_msgs_py.diagnostics import DiagnosticsPublisher, Health
 from bdt_msgs_py.message_checks import check_command
 from bdt_msgs_py.node_main import run_node
 from bdt_msgs_py.node_parameters import ConfigurationError, declare_all, declare_options
-from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.qos import publisher_profile, qos_profile
 from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.topics import COMMAND, DRIVER_NODE, MEASUREMENT, TELEMETRY, TELEMETRY_COLUMNS
 from bdt_msgs_py.writing import platform_position, sample_message
@@ -51,7 +51,7 @@ class DriverNode(Node):
         options = declare_options(self, "drive")
         self._settings, limits = declare_all(self, PARAMETERS)
         self._measurement = self.create_publisher(
-            JointState, MEASUREMENT.name, qos_profile(MEASUREMENT)
+            JointState, MEASUREMENT.name, publisher_profile(MEASUREMENT)
         )
         self._telemetry = self.create_publisher(
             Float64MultiArray, TELEMETRY.name, qos_profile(TELEMETRY)

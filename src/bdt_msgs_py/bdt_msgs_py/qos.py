@@ -27,3 +27,18 @@ def qos_profile(topic: Topic, depth: int | None = None) -> QoSProfile:
         reliability=reliable if topic.reliable else best_effort,
         durability=transient if topic.transient_local else volatile,
     )
+
+
+def publisher_profile(topic: Topic) -> QoSProfile:
+    """Return the QoS profile for a publisher of `topic`: its history is that of what is kept.
+
+    Parameters
+    ----------
+    topic : Topic
+        One of :data:`bdt_msgs_py.topics.ALL_TOPICS`.
+
+    Returns
+    -------
+    rclpy.qos.QoSProfile
+    """
+    return qos_profile(topic, max(topic.depth, topic.kept))

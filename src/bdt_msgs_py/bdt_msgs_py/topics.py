@@ -25,6 +25,10 @@ class Topic:
         True when a late subscriber receives the last message.
     depth : int
         Length of the history.
+    kept : int
+        Messages that a publisher keeps for reliable subscribers that do not answer for a while,
+        a recorder on a busy machine for example; a subscriber's own history is `depth`. Half a
+        megabyte that nobody has confirmed makes Cyclone DDS hold the publisher back.
     """
 
     name: str
@@ -33,6 +37,7 @@ class Topic:
     reliable: bool = True
     transient_local: bool = False
     depth: int = 10
+    kept: int = 0
 
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -42,6 +47,7 @@ MEASUREMENT = Topic(
     "measurement",
     JOINT_STATE,
     "joint platform_3, position q3 [m] as measured; stamp = sample time",
+    kept=1000,
 )
 COMMAND = Topic(
     "command",
@@ -49,6 +55,7 @@ COMMAND = Topic(
     "joint motor, effort = motor voltage u [V], the effort variable of the electrical domain; "
     "stamp = stamp of the measurement it answers; frame_id = who sends it: the plant obeys one "
     "source at a time",
+    kept=1000,
 )
 REFERENCE = Topic(
     "reference",

@@ -9,7 +9,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
-from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.qos import publisher_profile
 from bdt_msgs_py.topics import (
     CLOCK,
     MEASUREMENT,
@@ -38,7 +38,7 @@ class PlantPublishers:
 
     def __init__(self, node: Node) -> None:
         def publisher(message_type: Any, topic: Topic) -> Any:
-            return node.create_publisher(message_type, topic.name, qos_profile(topic))
+            return node.create_publisher(message_type, topic.name, publisher_profile(topic))
 
         self._measurement = publisher(JointState, MEASUREMENT)
         self.telemetry = publisher(Float64MultiArray, TELEMETRY)

@@ -2,6 +2,8 @@
 
 import errno
 import itertools
+import os
+import signal
 import subprocess
 import sys
 
@@ -22,7 +24,7 @@ from bdt_bags.recorder.recorder_node import RecorderNode
 from bdt_bags.recovery.recover_bag import recover_bag
 from bdt_bags.writing import mcap_file
 from bdt_msgs_py.node_parameters import ConfigurationError
-from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.qos import publisher_profile, qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_stamp
 from bdt_msgs_py.topics import ALL_TOPICS, COMMAND, DIAGNOSTICS, MEASUREMENT, PROGRESS, TELEMETRY
 from bdt_msgs_py.topics import TELEMETRY_COLUMNS as COLUMNS
@@ -195,28 +197,48 @@ def test_a_full_disk_is_told_and_the_recorder_goes_on(ros, tmp_path, monkeypatch
     assert counts["/measurement"] == 1
 
 
-@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
-def test_messages_reach_the_disk_while_the_recorder_goes_on(ros, tmp_path, storage):
-    """So a kill loses little: what was on the disk before it is there after it."""
-    bag, attempts = tmp_path / "bag", itertools.count()
-    # The namespace sets this recorder apart from one that was killed, which peers miss late.
-    arguments = ["--ros-args", "-r", f"__ns:=/{storage}"]
-    arguments += ["-p", f"bag:={bag}", "-p", f"storage:={storage}"]
-    command = [sys.executable, "-m", "bdt_bags.recorder.recorder_node", *arguments]
-    talker = ros.create(Node, "talker")
-    name = f"/{storage}/{MEASUREMENT.name}"
-    publisher = talker.create_publisher(JointState, name, qos_profile(MEASUREMENT))
+SMALL_BUFFER = (
+    "<CycloneDDS><Domain><Internal>"
+    "<SocketReceiveBufferSize min='64 kB' max='64 kB'/>"
+    "</Internal></Domain></CycloneDDS>"
+)
+"""For a recorder that cannot leave more than a few messages to its operating system."""
 
-    def on_disk():
+
+def recorder_process(bag, *arguments, environment=None):
+    words = ["-p", f"bag:={bag}", *arguments]
+    command = [sys.executable, "-m", "bdt_bags.recorder.recorder_node", "--ros-args", *words]
+    return subprocess.Popen(command, env=environment)
+
+
+class OnDisk:
+    """What a bag that is being written holds of a topic."""
+
+    def __init__(self, bag, topic, folder):
+        self._bag, self._topic, self._folder = bag, topic, folder
+        self._attempts = itertools.count()
+
+    def messages(self):
         try:
-            output = recover_bag(bag, tmp_path / f"{next(attempts)}").output
+            output = recover_bag(self._bag, self._folder / f"{next(self._attempts)}").output
         except BagError:  # nothing to recover yet
             return []
         with AnyReader([output]) as reader:
-            wanted = [one for one in reader.connections if one.topic == name]
+            wanted = [one for one in reader.connections if one.topic == self._topic]
             return [bytes(data) for _, _, data in reader.messages(wanted)]
 
-    with subprocess.Popen(command) as process:
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_messages_reach_the_disk_while_the_recorder_goes_on(ros, tmp_path, storage):
+    """So a kill loses little: what was on the disk before it is there after it."""
+    bag = tmp_path / "bag"
+    # The namespace sets this recorder apart from one that was killed, which peers miss late.
+    arguments = ["-r", f"__ns:=/{storage}", "-p", f"storage:={storage}"]
+    talker = ros.create(Node, "talker")
+    name = f"/{storage}/{MEASUREMENT.name}"
+    publisher = talker.create_publisher(JointState, name, qos_profile(MEASUREMENT))
+    on_disk = OnDisk(bag, name, tmp_path)
+    with recorder_process(bag, *arguments) as process:
         try:
             ros.spin_until(lambda: publisher.get_subscription_count() == 1)
             sent = []
@@ -225,8 +247,31 @@ def test_messages_reach_the_disk_while_the_recorder_goes_on(ros, tmp_path, stora
                 sent.append(bytes(serialize_message(message)))
                 publisher.publish(message)
                 ros.spin_for(2e-3)
-            ros.spin_until(lambda: on_disk() == sent)
+            ros.spin_until(lambda: on_disk.messages() == sent)
             assert process.poll() is None
         finally:
             process.kill()
-    assert on_disk() == sent
+    assert on_disk.messages() == sent
+
+
+@pytest.mark.parametrize("topic", [MEASUREMENT, COMMAND], ids=lambda topic: topic.name)
+def test_a_recorder_whose_machine_is_busy_for_a_while_loses_nothing(ros, tmp_path, topic):
+    talker = ros.create(Node, "talker")
+    name = f"/busy/{topic.name}"
+    publisher = talker.create_publisher(JointState, name, publisher_profile(topic))
+    bag = tmp_path / "bag"
+    on_disk = OnDisk(bag, name, tmp_path)
+    uri = ",".join(filter(None, [os.environ.get("CYCLONEDDS_URI"), SMALL_BUFFER]))
+    environment = os.environ | {"CYCLONEDDS_URI": uri}
+    with recorder_process(bag, "-r", "__ns:=/busy", environment=environment) as process:
+        try:
+            ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+            messages = [platform_position(number, 0.0) for number in range(topic.kept)]
+            process.send_signal(signal.SIGSTOP)
+            for message in messages:
+                publisher.publish(message)
+            process.send_signal(signal.SIGCONT)
+            sent = [bytes(serialize_message(message)) for message in messages]
+            ros.spin_until(lambda: on_disk.messages() == sent)
+        finally:
+            process.kill()
