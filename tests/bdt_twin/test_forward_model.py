@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from bdt_plant import compilation
-from bdt_plant.plant import AT_REST, PlantModel
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.motor import MotorParameters
+from bdt_plant.plant import AT_REST, PlantModel, Sampling, discretize_plant
+from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.structure import StructureState, discretize_structure
 from bdt_twin.forward_model import (
     SMALLEST_TRAVEL,
@@ -72,10 +75,26 @@ def test_a_structure_follows_a_base_that_stays(closed_loop):
 
 
 def test_the_motor_begins_at_the_speed_for_its_voltage():
-    state = initial_state(AT_REST.structure, 0.1, 2.0, PlantModel().motor.back_emf_constant)
+    back_emf = PlantModel().motor.back_emf_constant
+    state = initial_state(AT_REST.structure, 0.1, np.array([2.0]), back_emf, STEP.plant)
     run = simulate_stretch(STEP, state, np.full(100, 2.0), np.full(100, 50.0), 1, 1 / RATE, SLOW)
     assert np.diff(run.relative_angle) == pytest.approx(np.full(99, 0.02), rel=2e-2)
     assert run.relative_angle[0] == 0.1
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.01])
+def test_the_motor_begins_as_fast_as_the_voltages_before_have_made_it(friction):
+    """What it did more than 10 ms ago is forgotten."""
+    model = PlantModel(motor=MotorParameters(coulomb_friction=friction))
+    plant = PlantSimulator(model, GapProfile(), Sampling(RATE, RATE))
+    voltages = np.random.default_rng(0).uniform(-5.0, 5.0, 60)
+    for voltage in voltages[:-1]:
+        plant.advance(voltage)
+    step = discretize_plant(model, 1 / RATE)
+    back_emf = model.motor.back_emf_constant
+    state = initial_state(AT_REST.structure, 0.1, voltages[-11:], back_emf, step)
+    assert state.motor.speed == pytest.approx(plant.state.motor.speed, abs=1e-3)
+    assert state.motor.angle == 0.1
 
 
 def test_without_numba_the_floats_are_the_same(closed_loop, monkeypatch):

@@ -69,7 +69,24 @@ def test_what_no_window_holds_is_forgotten():
         window.forget(begin + 50)
     assert window.stretches(300, 1, 1)[0].first == 200
     with pytest.raises(StopIteration):
-        window.time(199)
+        window.time(149)
+
+
+def test_a_stretch_knows_the_voltage_before_it():
+    window = TelemetryWindow(1000.0, 100)
+    for begin in range(0, 300, 50):
+        numbers = np.arange(begin, begin + 50.0)
+        window.append(np.column_stack([numbers / 1000.0, numbers, -numbers]))
+        window.forget(begin + 50)
+    [stretch] = window.stretches(300, 1, 1)
+    assert stretch.before.tolist() == list(range(190, 200))
+
+
+def test_a_stretch_after_a_hole_does_not_know_the_voltage_before_it():
+    window = TelemetryWindow(RATE, 100)
+    window.append(rows_of(0, 30))
+    window.append(rows_of(40, 70))
+    assert [stretch.before.size for stretch in window.stretches(70, 1, 1)] == [0, 0]
 
 
 @pytest.mark.parametrize(

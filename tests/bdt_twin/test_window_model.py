@@ -6,8 +6,9 @@ import pytest
 from bdt_plant.plant import PlantModel
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
+from bdt_twin.stretch import Stretch
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
-from bdt_twin.window_model import Stretch, WindowModel
+from bdt_twin.window_model import WindowModel
 
 RATE, BLOCK, COGS = 1000.0, 5, 24
 KNOTS = np.arange(0.0, 12.1, 2.0)

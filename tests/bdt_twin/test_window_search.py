@@ -12,8 +12,9 @@ from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import first_knowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error_fit import HALVINGS, WindowFit
+from bdt_twin.stretch import Stretch
 from bdt_twin.unknowns import Unknowns
-from bdt_twin.window_model import Stretch, WindowModel
+from bdt_twin.window_model import WindowModel
 from bdt_twin.window_search import (
     FEWEST_SIMULATIONS,
     MOST_SAMPLES,

@@ -6,13 +6,14 @@ that time: between contacts nothing depends on the gap.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.motor import MotorState
-from bdt_plant.plant import PlantState
+from bdt_plant.friction import frictional_motor_step
+from bdt_plant.motor import MotorState, motor_step
+from bdt_plant.plant import DiscretePlant, PlantState
 from bdt_plant.structure import DiscreteStructure, StructureState
 from bdt_twin.resisted_plant import ResistedPlant
 from bdt_twin.window_loop import DRIVES, compiled_structure, compiled_window
@@ -182,9 +183,30 @@ def simulate_structure(
     return position
 
 
+def structure_after(
+    step: DiscreteStructure, state: StructureState, base: FloatArray
+) -> StructureState:
+    """Return the state of the structure at the last instant of a base that moves as given.
+
+    Parameters
+    ----------
+    step : DiscreteStructure
+        Discrete model for the spacing of `base`.
+    state : StructureState
+        State at the first instant.
+    base : ndarray, shape (n,)
+        Position d of the lead screw's end [m].
+    """
+    return StructureState(*compiled_structure()(step, state, base, np.empty(base.size)))
+
+
 def initial_state(
-    structure: StructureState, relative_angle: float, voltage: float, back_emf: float
-) -> Any:
+    structure: StructureState,
+    relative_angle: float,
+    voltages: FloatArray,
+    back_emf: float,
+    step: DiscretePlant,
+) -> PlantState:
     """Return the state of a plant whose screw is at the angle zero.
 
     Parameters
@@ -193,15 +215,26 @@ def initial_state(
         State of the structure.
     relative_angle : float
         Angle of the motor less that of the screw [rad].
-    voltage : float
-        First voltage [V]: the motor settles within milliseconds, so it runs at the speed for it.
+    voltages : ndarray, shape (m,)
+        Voltages up to the first one of a stretch, that included [V]. At the first of these the
+        motor runs at the speed for it; it settles within milliseconds.
     back_emf : float
         Back-EMF constant k_B [V s/rad].
+    step : DiscretePlant
+        Discrete model of the plant.
     """
-    motor = MotorState(0.0, voltage / back_emf, relative_angle)
-    return PlantState(motor, 0.0, 0, structure)
+    *before, last = voltages.tolist()
+    friction = step.friction
+    driving = _driving(before[0] if before else last, friction.current * friction.resistance)
+    motor = MotorState(0.0, driving / back_emf, 0.0)
+    for voltage in before:
+        if friction.current > 0.0:
+            motor = frictional_motor_step(motor, voltage, step.motor, friction).motor
+        else:
+            motor = motor_step(motor, voltage, step.motor)
+    return PlantState(motor._replace(angle=relative_angle), 0.0, 0, structure)
 
 
-def driving_voltage(voltage: float, friction: float) -> float:
+def _driving(voltage: float, friction: float) -> float:
     """Return what of a voltage [V] is left beside the friction's."""
     return math.copysign(max(abs(voltage) - friction, 0.0), voltage)

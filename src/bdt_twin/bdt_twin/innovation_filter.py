@@ -18,6 +18,8 @@ STATES = 6
 """Structure, screw and motor."""
 LARGEST_PUSH = 0.1
 """Standard deviation of the velocity that a push gives to a platform [m/s]."""
+SMALLEST_PUSH = 1e-7
+"""Innovation below which nothing pushed a platform, however little noise there is [m]."""
 
 
 @cache
@@ -103,7 +105,7 @@ def _filter_gains(  # noqa: PLR0912 - a compiled loop calls no function
                 expected[i] = total
         innovation = residual[k] - expected[2]
         variance = max(covariance[2, 2], 0.0) + reading
-        if innovation * innovation > threshold * threshold * variance:
+        if innovation * innovation > max(threshold * threshold * variance, SMALLEST_PUSH**2):
             pushed[k] = 1.0
             for i in range(4):
                 for j in range(4):

@@ -2,18 +2,15 @@
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
-
-import numpy as np
 
 from bdt_twin.cogging_search import cogging_evidence
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.noise_levels import quiet
-from bdt_twin.unknowns import Unknowns
 from bdt_twin.window_model import WindowModel
-from bdt_twin.window_search import fit_window, initial_conditions_at_rest
+from bdt_twin.window_prediction import Predecessor, predicted_unknowns
+from bdt_twin.window_search import fit_window
 
 MOST_NEWCOMERS = 2
 """Effects that may join the unknowns in one window; each takes another fit."""
@@ -36,24 +33,6 @@ class AcceptedFit:
     window: WindowModel
     fit: Fit
     estimate: Estimate
-
-
-class Predecessor(NamedTuple):
-    """A window before, from which the fit of the next one begins.
-
-    Attributes
-    ----------
-    window : WindowModel
-        Model and data.
-    fit : Fit
-        The model fitted to the data; it may leave the gap unknown.
-    growth : float
-        Growth rate of the gap at its end [rad/s].
-    """
-
-    window: WindowModel
-    fit: Fit
-    growth: float
 
 
 def next_fit(
@@ -84,7 +63,7 @@ def next_fit(
     begins = window.stretches[0].first / (window.block_rate * window.block)
     predicted, error, levels = None, math.inf, None
     if last is not None:
-        predicted = _predict_unknowns(window, last)
+        predicted = predicted_unknowns(window, last)
         error, levels = last.fit.prediction_error, last.fit.levels
     known = machine.before(begins)
     fit = fit_window(window, growth_change, known, predicted, error, levels)
@@ -102,21 +81,3 @@ def next_fit(
         known = machine.before(begins)
         fit = fit_window(window, growth_change, known, fit.unknowns, math.inf, levels)
     return window, fit
-
-
-def _predict_unknowns(window: WindowModel, last: Predecessor) -> Unknowns:
-    """Return the unknowns that the last fit predicts for a window."""
-    before, fit, knots = last.window, last.fit, window.knots
-    beyond = np.maximum(knots - before.knots[-1], 0.0)
-    # Both windows' knots are multiples of the spacing, so that nothing is rounded.
-    gaps = np.interp(knots, before.knots, fit.unknowns.gaps) + last.growth * beyond
-    gaps = np.maximum(gaps, 0.0)
-    initial_conditions = initial_conditions_at_rest(window)
-    rate = window.block_rate * window.block
-    for beginning, stretch in zip(initial_conditions, window.stretches, strict=True):
-        half = 0.5 * window.gap_at(gaps, stretch.first / rate)
-        for old, run in zip(before.stretches, fit.responses, strict=True):
-            sample = stretch.first - old.first
-            if 0 <= sample < run.relative_angle.size and half > 0.0:
-                beginning[0] = min(max(run.relative_angle[sample] / half, -1.0), 1.0)
-    return Unknowns(gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects)

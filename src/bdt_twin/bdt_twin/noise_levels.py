@@ -27,7 +27,7 @@ NOTHING = 0.02
 """Walk of the motor in a second, over the noise of a reading, that is none."""
 PRODUCT = 8
 """Values that are multiplied before their logarithm is taken."""
-SMALLEST_NOISE = 1e-11
+SMALLEST_NOISE = 1e-9
 """Standard deviation of a block's mean below which nothing is taken for noise [m]."""
 FROM_MAD = 1.4826
 """Standard deviation of normal noise over its median absolute deviation."""

@@ -22,12 +22,13 @@ from bdt_twin.gap_of_fit import gap_at, growth_at
 from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.model_factors import FACTORS, check_room
-from bdt_twin.next_fit import AcceptedFit, Predecessor, next_fit
+from bdt_twin.next_fit import AcceptedFit, next_fit
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.sensor_saturation import motor_travel_in_saturation
 from bdt_twin.telemetry_window import TelemetryWindow
 from bdt_twin.window_loop import compiled_structure, compiled_window
 from bdt_twin.window_model import WindowModel
+from bdt_twin.window_prediction import Predecessor
 
 FloatArray = NDArray[np.float64]
 
@@ -198,7 +199,8 @@ class OutputErrorEstimator:
         stamp = time - (newest - reversals[-1]) / self._rate
         gap, uncertainty = gap_at(window, fit, at)
         growth, growth_uncertainty = growth_at(window, fit, at)
-        unsure = self._unsure(stamp, gap, uncertainty)
+        is_pushed = bool(fit.pushed.any())
+        unsure = self._unsure(stamp, gap, uncertainty, is_pushed)
         self._held = self._held + 1 if unsure else 0
         # Windows that follow find out more from here, unless it is here that nothing is found.
         follows = self._held < MOST_HELD
@@ -244,18 +246,19 @@ class OutputErrorEstimator:
             return f"only an odd {strange} would explain the data"
         return ""
 
-    def _unsure(self, time: float, gap: float, uncertainty: float) -> str:
+    def _unsure(self, time: float, gap: float, uncertainty: float, is_pushed: bool) -> str:
         """Return why a gap is not stated although the data are explained; empty if it is."""
         if uncertainty > self._settings.largest_uncertainty:
             return f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
-        if self._contradicts(time, gap, uncertainty):
+        # What looks like a push may be a gap that has just jumped.
+        if (uncertainty >= DOUBTFUL or is_pushed) and self._contradicts(time, gap, uncertainty):
             return "the gap contradicts what was known before"
+        self._contradicted = False
         return ""
 
     def _contradicts(self, time: float, gap: float, uncertainty: float) -> bool:
-        """Tell whether an unsure gap is far from the one that was known, and the first to be so."""
-        if self.last_fit is None or uncertainty < DOUBTFUL:
-            self._contradicted = False
+        """Tell whether a gap is far from the one that was known, and the first to be so."""
+        if self.last_fit is None:
             return False
         last = self.last_fit.estimate
         expected = last.gap + last.growth * (time - last.time)

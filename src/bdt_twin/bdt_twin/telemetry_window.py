@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_twin.estimator import TelemetryRejectedError
+from bdt_twin.stretch import LEAD, Stretch
 from bdt_twin.telemetry_stream import TIME_TOLERANCE
-from bdt_twin.window_model import Stretch
 
 
 class _Batch(NamedTuple):
@@ -37,6 +37,7 @@ class TelemetryWindow:
 
     def __init__(self, sampling_rate: float, length: int) -> None:
         self._rate, self._length = sampling_rate, length
+        self._lead = round(LEAD * sampling_rate)
         self.restart()
 
     def restart(self) -> None:
@@ -88,7 +89,7 @@ class TelemetryWindow:
 
     def forget(self, end: int) -> None:
         """Forget what no window that ends at sample number `end` or later holds."""
-        while self._batches and self._batches[0].end <= end - self._length:
+        while self._batches and self._batches[0].end <= end - self._length - self._lead:
             self._batches.popleft()
 
     def time(self, number: int) -> float:
@@ -121,9 +122,11 @@ class TelemetryWindow:
             first = max(end - self._length, begins)
             count = (last - first) // block * block
             if count >= max(shortest, block):
-                kept = rows[last - count - begins : last - begins]
+                begin = last - count - begins
+                kept = rows[begin : last - begins]
                 u, q3 = np.ascontiguousarray(kept[:, 1]), np.ascontiguousarray(kept[:, 2])
-                found.append(Stretch(last - count, u, q3))
+                before = rows[max(begin - self._lead, 0) : begin, 1].copy()
+                found.append(Stretch(last - count, u, q3, before))
         return found
 
     def _number(self, time: float, tolerance: float) -> int:

@@ -199,11 +199,12 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
 def _structure_loop(sources: str) -> Any:
     def structure_loop(
         step: DiscreteStructure, state: StructureState, base: FloatArray, position: FloatArray
-    ) -> None:
+    ) -> StructureState:
         _ = sources
         for k in range(base.size):
             if k > 0:
                 state = structure_step(state, base[k - 1], base[k], step)
             position[k] = state.q3
+        return state
 
     return structure_loop

@@ -1,8 +1,5 @@
 """Position over a window as a function of what is unknown about the mechanism, and its Jacobian."""
 
-from functools import reduce
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,18 +11,15 @@ from bdt_twin.fixed_order import dot, product
 from bdt_twin.forward_model import (
     SlowMotion,
     StretchResponse,
-    driving_voltage,
     initial_state,
     simulate_stretch,
     simulate_structure,
 )
 from bdt_twin.innovations import DeviationModel, Motion
 from bdt_twin.machine_knowledge import EFFECTS
-from bdt_twin.model_factors import (
-    FACTORS,
-    block_model_with,
-)
+from bdt_twin.model_factors import FACTORS, block_model_with, plant_step_with
 from bdt_twin.resisted_model import resisted_plant_with, with_cogs
+from bdt_twin.stretch import Stretch
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_loop import DRIVES
 
@@ -39,22 +33,6 @@ STANDING_SHARE = 0.3
 
 FACTOR_CHANGE = 1e-3
 """Change of a factor's logarithm from which the slope of the position is taken."""
-
-
-class Stretch(NamedTuple):
-    """Telemetry without a hole.
-
-    Attributes
-    ----------
-    first : int
-        Number of the first sample: its time times the sampling rate.
-    voltage, position : ndarray, shape (n,)
-        Motor voltage u [V] and position q3 [m]; n is a multiple of the samples in a block.
-    """
-
-    first: int
-    voltage: FloatArray
-    position: FloatArray
 
 
 class WindowModel:
@@ -87,7 +65,8 @@ class WindowModel:
     ) -> None:
         self.stretches, self.knots, self.block, self.cogs = stretches, knots, block, cogs
         self.block_rate = sampling_rate / block
-        self._model, self._rate = model, sampling_rate
+        self.sampling_rate, self.pitch = sampling_rate, model.lead_screw.pitch
+        self._model = model
         self._blocks = [stretch.voltage.size // block for stretch in stretches]
         self._places = [self._places_of(stretch) for stretch in stretches]
 
@@ -101,16 +80,10 @@ class WindowModel:
         lowest_rate, lowest_block_rate : float
             Rates of samples and blocks [Hz], not to go below; the window's own may be lower.
         """
-        every = max(int(self._rate / lowest_rate), 1)
-        rate = self._rate / every
+        every = max(int(self.sampling_rate / lowest_rate), 1)
+        rate = self.sampling_rate / every
         block = max(int(rate / lowest_block_rate), round(rate / self.block_rate), 1)
-        stretches = []
-        for first, voltage, position in self.stretches:
-            skipped = -first % every
-            count = (voltage.size - skipped) // every // block * block
-            kept = slice(skipped, skipped + count * every)
-            means = reduce(np.add, voltage[kept].reshape(-1, every).T) / every
-            stretches.append(Stretch((first + skipped) // every, means, position[kept][::every]))
+        stretches = [stretch.coarse(every, block) for stretch in self.stretches]
         return WindowModel(self._model, stretches, self.knots, rate, block, self.cogs)
 
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
@@ -118,7 +91,7 @@ class WindowModel:
         effect = dict(zip(EFFECTS, unknowns.effects.tolist(), strict=True))
         friction, offset = effect["friction_voltage"], effect["voltage_offset"]
         step = resisted_plant_with(
-            self._model, unknowns.factors, unknowns.effects, 1.0 / self._rate
+            self._model, unknowns.factors, unknowns.effects, 1.0 / self.sampling_rate
         )
         gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
@@ -131,8 +104,9 @@ class WindowModel:
             state = initial_state(
                 StructureState(*beginning[2:].tolist()),
                 0.5 * float(beginning[0]) * float(gaps[0]),
-                driving_voltage(float(stretch.voltage[0]) + offset, friction),
+                np.append(stretch.before, stretch.voltage[0]) + offset,
                 back_emf,
+                step.plant,
             )
             turns = self.cogs * self.screw_turns(unknowns, number)
             run = simulate_stretch(
@@ -141,10 +115,10 @@ class WindowModel:
                 stretch.voltage + offset,
                 gaps,
                 self.block,
-                1.0 / self._rate,
+                1.0 / self.sampling_rate,
                 slow,
             )
-            times = np.arange(stretch.voltage.size) / self._rate
+            times = np.arange(stretch.voltage.size) / self.sampling_rate
             reading = run.position + beginning[1] + effect["drift"] * times
             reading -= effect["delay"] * self._slope(run.position)
             responses.append(run._replace(position=reading))
@@ -152,7 +126,7 @@ class WindowModel:
 
     def _slope(self, position: FloatArray) -> FloatArray:
         """Return the velocity [m/s] of a position at its samples."""
-        slope: FloatArray = np.gradient(position) * self._rate
+        slope: FloatArray = np.gradient(position) * self.sampling_rate
         return slope
 
     def jacobian(self, unknowns: Unknowns, responses: list[StretchResponse]) -> FloatArray:
@@ -194,14 +168,20 @@ class WindowModel:
         """Return the structure's model from block to block."""
         return self._by_blocks(unknowns.factors)[1]
 
+    def sample_step(self, unknowns: Unknowns) -> DiscreteStructure:
+        """Return the structure's model from sample to sample."""
+        rate = self.sampling_rate
+        return plant_step_with(self._model, unknowns.factors, 1.0 / rate).structure
+
     def screw_turns(self, unknowns: Unknowns, number: int) -> float:
         """Return how often the screw has turned when a stretch begins, from the reading there."""
         offset = float(unknowns.initial_conditions[number, INITIAL_CONDITION.index("offset")])
-        return offset / (FULL_TURN * self._model.lead_screw.pitch)
+        return offset / (FULL_TURN * self.pitch)
 
     def with_cogs(self, cogs: int) -> "WindowModel":
         """Return the window of a motor with so many periods of cogging in a turn."""
-        return WindowModel(self._model, self.stretches, self.knots, self._rate, self.block, cogs)
+        given = self._model, self.stretches, self.knots, self.sampling_rate, self.block
+        return WindowModel(*given, cogs)
 
     def deviation_model(
         self, unknowns: Unknowns, responses: list[StretchResponse]
@@ -219,7 +199,7 @@ class WindowModel:
     def travel_per_volt(self, unknowns: Unknowns) -> float:
         """Return the speed of the screw for a volt [m/(V s)]; the motor settles in milliseconds."""
         gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
-        return self._model.lead_screw.pitch * gain / self._model.motor.back_emf_constant
+        return self.pitch * gain / self._model.motor.back_emf_constant
 
     def _add_play(
         self,
@@ -231,12 +211,12 @@ class WindowModel:
     ) -> None:
         """Add the rows that act through the angle of the screw: gap, gain, first contact."""
         _, step = self._by_blocks(unknowns.factors)
-        base_of, at_rest = self._model.lead_screw.pitch, StructureState(0.0, 0.0, 0.0, 0.0)
+        base_of, at_rest = self.pitch, StructureState(0.0, 0.0, 0.0, 0.0)
         moved = np.abs(run.side)
         begins = self.stretches[number].first
         share = float(unknowns.initial_conditions[number, 0])
-        initial = self.weights(np.array([begins / self._rate]))[:, 0]
-        weights = self.weights((begins + run.sample) / self._rate)
+        initial = self.weights(np.array([begins / self.sampling_rate]))[:, 0]
+        weights = self.weights((begins + run.sample) / self.sampling_rate)
         for knot in range(self.knots.size):
             acts = moved if initial[knot] else weights[knot]
             if not acts.any():
@@ -261,7 +241,7 @@ class WindowModel:
     ) -> None:
         """Add the rows of the structure's constants and of its initial state."""
         knots, beginning = self.knots.size, unknowns.initial_conditions[number]
-        base = self._model.lead_screw.pitch * run.screw
+        base = self.pitch * run.screw
         for which in (1, 2):
             ends = []
             for change in (FACTOR_CHANGE, -FACTOR_CHANGE):
@@ -280,7 +260,7 @@ class WindowModel:
 
     def _by_blocks(self, factors: FloatArray) -> tuple[FloatArray, DiscreteStructure]:
         """Return the structure's model from block to block."""
-        return block_model_with(self._model, factors, 1.0 / self._rate, self.block)
+        return block_model_with(self._model, factors, 1.0 / self.sampling_rate, self.block)
 
     def gap_at(self, gaps: FloatArray, time: float) -> float:
         """Return the gap [rad] at a time [s] for gaps at the knots, shape (knots,)."""
@@ -288,7 +268,7 @@ class WindowModel:
 
     def _places_of(self, stretch: Stretch) -> tuple[NDArray[np.int64], FloatArray]:
         """Return the knot before each sample and how far it is to the next one, from 0 to 1."""
-        times = (stretch.first + np.arange(stretch.voltage.size)) / self._rate
+        times = (stretch.first + np.arange(stretch.voltage.size)) / self.sampling_rate
         places = (times - self.knots[0]) / (self.knots[1] - self.knots[0])
         before = np.clip(places.astype(np.int64), 0, self.knots.size - 2)
         return before, np.clip(places - before, 0.0, 1.0)

@@ -7,8 +7,8 @@ from bdt_analysis.re_estimation.estimator_setup import sampling_rate
 from bdt_bags.reading.recording import Recording
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_study.calibration.fitted_data import SETTINGS, Data
+from bdt_twin.stretch import LEAD, Stretch
 from bdt_twin.telemetry_window import TelemetryWindow
-from bdt_twin.window_model import Stretch
 
 FloatArray = NDArray[np.float64]
 
@@ -68,10 +68,13 @@ def halves(data: Data) -> tuple[Data, Data]:
         cut = min(left, stretch.voltage.size)
         left -= cut
         if cut:
-            first.append(Stretch(stretch.first, stretch.voltage[:cut], stretch.position[:cut]))
+            kept = stretch.voltage[:cut], stretch.position[:cut], stretch.before
+            first.append(Stretch(stretch.first, *kept))
         if cut < stretch.voltage.size:
             begin = stretch.first + cut
-            second.append(Stretch(begin, stretch.voltage[cut:], stretch.position[cut:]))
+            before = np.concatenate([stretch.before, stretch.voltage[:cut]])
+            before = before[max(before.size - round(LEAD * data.sampling_rate), 0) :]
+            second.append(Stretch(begin, stretch.voltage[cut:], stretch.position[cut:], before))
     return Data(first, data.sampling_rate), Data(second, data.sampling_rate)
 
 

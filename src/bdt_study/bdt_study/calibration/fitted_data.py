@@ -9,7 +9,7 @@ import numpy as np
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_twin.output_error_settings import OutputErrorSettings
-from bdt_twin.window_model import Stretch
+from bdt_twin.stretch import Stretch
 
 SETTINGS = OutputErrorSettings(knot_spacing=5.0)
 """Those of the estimator, with a gap that grows evenly for longer."""

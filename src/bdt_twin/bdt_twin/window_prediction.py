@@ -1,0 +1,97 @@
+"""What a window is expected to be like after the fit of the one before."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_plant.structure import StructureState
+from bdt_twin.fit_result import Fit
+from bdt_twin.fixed_order import mean
+from bdt_twin.forward_model import StretchResponse, structure_after
+from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.noise_levels import is_restless
+from bdt_twin.unknowns import Unknowns
+from bdt_twin.window_model import WindowModel
+from bdt_twin.window_search import initial_conditions_at_rest
+
+FloatArray = NDArray[np.float64]
+
+
+class Predecessor(NamedTuple):
+    """A window before, from which the fit of the next one begins.
+
+    Attributes
+    ----------
+    window : WindowModel
+        Model and data.
+    fit : Fit
+        The model fitted to the data; it may leave the gap unknown.
+    growth : float
+        Growth rate of the gap at its end [rad/s].
+    """
+
+    window: WindowModel
+    fit: Fit
+    growth: float
+
+
+def predicted_unknowns(window: WindowModel, last: Predecessor) -> Unknowns:
+    """Return the unknowns with which the last fit would go on in a window.
+
+    A stretch that begins within the data of the last window begins in the state that the
+    mechanism had there; another one is expected to begin at rest.
+
+    Parameters
+    ----------
+    window : WindowModel
+        Model and data.
+    last : Predecessor
+        The window before, and its fit.
+    """
+    before, fit, knots = last.window, last.fit, window.knots
+    beyond = np.maximum(knots - before.knots[-1], 0.0)
+    # Both windows' knots are multiples of the spacing, so that nothing is rounded.
+    gaps = np.interp(knots, before.knots, fit.unknowns.gaps) + last.growth * beyond
+    gaps = np.maximum(gaps, 0.0)
+    initial_conditions = initial_conditions_at_rest(window)
+    if is_restless(fit.levels):
+        return Unknowns(gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects)
+    for beginning, stretch in zip(initial_conditions, window.stretches, strict=True):
+        for number, (old, run) in enumerate(zip(before.stretches, fit.responses, strict=True)):
+            sample = stretch.first - old.first
+            if 0 <= sample < run.relative_angle.size:
+                half = 0.5 * window.gap_at(gaps, stretch.first / window.sampling_rate)
+                beginning[:] = _state_at(before, fit.unknowns, number, run, sample, half)
+                # By what the machine has wandered from its simulation in the meantime.
+                seen = slice(sample, sample + before.block)
+                beginning[1] += mean(old.position[seen] - run.position[seen])
+    return Unknowns(gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects)
+
+
+def _state_at(
+    window: WindowModel,
+    unknowns: Unknowns,
+    number: int,
+    run: StretchResponse,
+    sample: int,
+    half_gap: float,
+) -> FloatArray:
+    """Return the ``INITIAL_CONDITION`` of a stretch that begins at a sample of a simulation."""
+    _, offset, *structure = unknowns.initial_conditions[number].tolist()
+    screw = run.motor_angle[: sample + 1] - run.relative_angle[: sample + 1]
+    base = window.pitch * screw
+    state = structure_after(window.sample_step(unknowns), StructureState(*structure), base)
+    end = float(base[-1])
+    share = float(run.relative_angle[sample]) / half_gap if half_gap > 0.0 else 0.0
+    drifted = float(unknowns.effects[EFFECTS.index("drift")]) * sample / window.sampling_rate
+    return np.array(
+        [
+            min(max(share, -1.0), 1.0),
+            offset + end + drifted,
+            state.q2 - end,
+            state.q2_velocity,
+            state.q3 - end,
+            state.q3_velocity,
+        ]
+    )
