@@ -37,12 +37,12 @@ def create(kind, rate=5000.0):
 
 def test_the_paper_s_estimator_is_the_default():
     assert EstimatorChoice().kind == "inverse_filter"
-    assert isinstance(create("inverse_filter"), InverseFilterEstimator)
+    assert isinstance(create("inverse_filter").estimator, InverseFilterEstimator)
 
 
 def test_the_estimator_for_measured_signals_has_the_sampling_rate_of_the_telemetry():
     estimator = create("output_error", 1000.0)
-    assert isinstance(estimator, OutputErrorEstimator)
+    assert isinstance(estimator.estimator, OutputErrorEstimator)
     rows = np.column_stack([np.arange(100) / 1000.0, np.zeros((100, 2))])
     assert estimator.update(rows).reason
 

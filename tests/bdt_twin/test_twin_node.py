@@ -390,6 +390,19 @@ def test_telemetry_of_another_rate_is_rejected_and_the_step_is_told(ros, telemet
     assert bench.health["estimates"] == 0
 
 
+def test_telemetry_with_jitter_is_taken_and_the_diagnostics_say_how(ros, telemetry):
+    bench = Bench(ros, estimator__kind="output_error")
+    assert bench.health["telemetry_sampling"] == "even"
+    rows, generator = telemetry.copy(), np.random.default_rng(0)
+    rows[1:, 0] += np.clip(generator.normal(0.0, 3e-5, len(rows) - 1), -9e-5, 9e-5)
+    bench.tick(0.1)
+    for start in range(0, len(rows), BATCH):
+        bench.send(rows[start : start + BATCH])
+    assert bench.health["rejected_messages"] == 0
+    assert bench.health["telemetry_sampling"].startswith("interpolated: 5000")
+    ros.spin_until(lambda: bench.estimates)
+
+
 def test_batches_of_any_length_give_the_same_estimates(ros, telemetry):
     bench = Bench(ros)
     ends = [0, 1, 8, 500, 1733, 1734, 7500]

@@ -12,7 +12,11 @@ LARGEST_HOLE = 1.0
 """Time [s] that lost batches may leave out."""
 
 STEP_FACTOR = 2.0
-"""Factor by which a time step within a batch may differ from the known one."""
+"""Factor by which a batch's mean time step may differ from the known one."""
+
+LONGEST_BUNCH = 2.5e-3
+"""Time [s] between two samples of a batch that is no hole: a transport that comes once in each
+millisecond stamps samples in bunches."""
 
 FloatArray = NDArray[np.float64]
 
@@ -152,8 +156,13 @@ class TelemetrySequence:
             return
         if self._step is None:
             self._step = float(np.median(steps))
-        for step in (float(steps.min()), float(steps.max())):
-            if not self._step / STEP_FACTOR <= step <= self._step * STEP_FACTOR:
+        # The steps of a machine's telemetry differ, and samples may come in bunches.
+        mean, largest = float(np.mean(steps)), float(steps.max())
+        for step, is_wrong in (
+            (mean, not self._step / STEP_FACTOR <= mean <= self._step * STEP_FACTOR),
+            (largest, largest > max(STEP_FACTOR * self._step, LONGEST_BUNCH)),
+        ):
+            if is_wrong:
                 raise MessageRejectedError(
                     Reason.SAMPLES, f"time step of {step:g} s: must be about {self._step:g} s"
                 )

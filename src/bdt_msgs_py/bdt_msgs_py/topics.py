@@ -69,7 +69,8 @@ TELEMETRY = Topic(
     SAMPLES,
     "rows of (t [s], u [V] as applied, q3 [m] as measured) at the sampling rate, oldest first; "
     "layout.dim[0].size = rows, layout.dim[1].size = 3 with the label t[s],u[V],q3[m]; t on the "
-    "clock of the stamps of measurement, evenly spaced also from one message to the next",
+    "clock of the stamps of measurement, evenly spaced but for that clock's jitter, also from one "
+    "message to the next",
     depth=100,
 )
 TRUTH = Topic(

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from bdt_msgs_py.quantities import quantity, validate
 from bdt_plant.plant import PlantModel
-from bdt_twin.estimator import Estimator
+from bdt_twin.evenly_sampled import EvenlySampled
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
@@ -39,8 +39,8 @@ def create_estimator(
     model: PlantModel,
     inverse_filter: InverseFilterSettings,
     output_error: OutputErrorSettings,
-) -> Estimator:
-    """Return the estimator of a choice.
+) -> EvenlySampled:
+    """Return the estimator of a choice, for telemetry as machines have it.
 
     Parameters
     ----------
@@ -58,11 +58,12 @@ def create_estimator(
     ValueError
         If there is no such module or class, or if it fails, with one line that says where.
     """
+    rate = inverse_filter.sampling_rate
     if choice.kind == "inverse_filter":
-        return InverseFilterEstimator(model, inverse_filter)
+        return EvenlySampled(InverseFilterEstimator(model, inverse_filter), rate)
     if choice.kind == "output_error":
-        return OutputErrorEstimator(model, output_error, inverse_filter.sampling_rate)
+        return EvenlySampled(OutputErrorEstimator(model, output_error, rate), rate)
     try:
-        return UserEstimator(choice.kind, model, inverse_filter.sampling_rate)
+        return EvenlySampled(UserEstimator(choice.kind, model, rate), rate)
     except UserEstimatorError as error:
         raise ValueError(f"estimator.kind = {choice.kind!r}: {error}") from error

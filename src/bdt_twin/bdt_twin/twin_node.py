@@ -78,7 +78,8 @@ class TwinNode(Node):
         self._sampling_rate: float = inverse_filter.sampling_rate
         with destroy_on_error(self):
             try:
-                estimator = create_estimator(self._choice, model, inverse_filter, output_error)
+                settings = self._choice, model, inverse_filter, output_error
+                self._estimator = estimator = create_estimator(*settings)
             except ValueError as error:
                 raise ConfigurationError(f"parameter {error}") from error
         self._link = DelayedLink(link)
@@ -279,6 +280,7 @@ class TwinNode(Node):
             "estimator_errors": self._estimator_errors,
             "estimator_error": self._estimator_error,
             "telemetry_accepted": self._accepted,
+            "telemetry_sampling": str(self._estimator.sampling),
             "telemetry_lag_s": (self._received - self._telemetry_end) * 1e-9,
             "window_time_s": self._window_time,
             "reconfigure": self._settings.reconfigure,

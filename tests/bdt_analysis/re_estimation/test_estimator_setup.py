@@ -77,7 +77,7 @@ def test_the_default_is_the_twin_s_at_the_sampling_rate_of_the_recording(recordi
     assert setup.sampling_rate == 500.0
     assert setup.model.structure.mass == 5.3
     assert setup.model.structure.stiffness == 1e4
-    assert isinstance(setup.create(), InverseFilterEstimator)
+    assert isinstance(setup.create().estimator, InverseFilterEstimator)
 
 
 def test_the_command_line_comes_before_the_bag_and_the_bag_before_the_defaults(recording):
@@ -92,7 +92,7 @@ def test_the_command_line_comes_before_the_bag_and_the_bag_before_the_defaults(r
         "use_sim_time": True,
     }
     setup = estimator_setup(replace(recording, twin_parameters=told), {"output_error.window": 15.0})
-    assert isinstance(setup.create(), OutputErrorEstimator)
+    assert isinstance(setup.create().estimator, OutputErrorEstimator)
     assert (setup.output_error.window, setup.output_error.knot_spacing) == (15.0, 2.0)
     assert setup.model.motor.resistance == 1.5
     assert setup.sampling_rate == 500.0
@@ -175,6 +175,20 @@ def test_the_sampling_rate_is_that_of_the_samples_without_holes(recording, rate)
     time = np.delete(np.arange(6000) / rate, slice(100, 4000, 7))
     rows = np.column_stack([time, np.zeros((len(time), 2))])
     assert sampling_rate(replace(recording, telemetry=rows)) == pytest.approx(rate, rel=1e-12)
+
+
+def test_the_sampling_rate_of_samples_that_come_in_bunches_is_that_of_the_bunches(recording):
+    numbers = np.arange(6000)
+    time = numbers // 5 * 1e-3 + numbers % 5 * 1e-6
+    rows = np.column_stack([time, np.zeros((len(time), 2))])
+    assert sampling_rate(replace(recording, telemetry=rows)) == pytest.approx(5000.0, rel=1e-3)
+
+
+def test_a_clock_that_is_off_a_little_does_not_make_a_period_a_part_of_a_sample(recording):
+    rows = np.column_stack([np.arange(6000) / 4996.3, np.zeros((6000, 2))])
+    setup = estimator_setup(replace(recording, telemetry=rows), {"estimator.kind": "output_error"})
+    assert setup.sampling_rate == 5000.0
+    setup.create()
 
 
 def test_a_clock_that_counts_from_1970_does_not_blur_the_sampling_rate(recording):

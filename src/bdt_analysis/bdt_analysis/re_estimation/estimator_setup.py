@@ -21,6 +21,7 @@ from bdt_msgs_py.parameter_tables import (
     parameter_sets,
     suggestion,
 )
+from bdt_msgs_py.telemetry_sequence import LONGEST_BUNCH
 from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel
@@ -39,6 +40,8 @@ MODEL = (MotorParameters, LeadScrewParameters, StructureParameters)
 SETTINGS_OF = {"inverse_filter": InverseFilterSettings, "output_error": OutputErrorSettings}
 """Settings that an estimator has for itself; one from elsewhere has none."""
 
+CLOCK_ERROR = 2e-3
+"""Relative error of a machine's clock."""
 WHOLE_RATE = 1e-6
 """Relative difference up to which a sampling rate is a whole number of hertz: stamps of a clock
 that counts from 1970 resolve no more."""
@@ -169,7 +172,7 @@ def estimator_setup(recording: Recording, given: Mapping[str, Any]) -> Estimator
     recorded = {name: value for name, value in recorded.items() if value != known[name][0]}
     for name, value in recorded.items():
         check_value(f"bag {recording.path}: parameter {name} of the twin", value, *known[name])
-    values = {SAMPLING_RATE: sampling_rate(recording), **recorded, **given}
+    values = {SAMPLING_RATE: _whole_rate(recording), **recorded, **given}
     try:
         sets = parameter_sets(PARAMETERS, values)
     except ValueError as error:
@@ -189,9 +192,22 @@ def sampling_rate(recording: Recording) -> float:
     """Return the sampling rate of the telemetry [Hz], the mean where there is no hole."""
     steps = np.diff(recording.telemetry[:, 0])
     middle = float(np.median(steps))
-    rate = 1.0 / float(np.mean(steps[np.abs(steps - middle) < 0.5 * middle]))
+    within_bunches = float(np.mean(steps[steps <= max(middle, LONGEST_BUNCH)]))
+    is_bunched = middle < 0.5 * within_bunches
+    usual = steps[np.abs(steps - middle) < 0.5 * middle]
+    rate = 1.0 / (within_bunches if is_bunched else float(np.mean(usual)))
     whole = float(round(rate))
     return whole if abs(rate - whole) <= WHOLE_RATE * rate else rate
+
+
+def _whole_rate(recording: Recording) -> float:
+    """Return the sampling rate as a whole number of hertz, if it is one but for a clock's error.
+
+    What is a whole number of samples by the rate that was meant is so by this one.
+    """
+    rate = sampling_rate(recording)
+    rounded = (unit * round(rate / unit) for unit in (100.0, 50.0, 10.0, 1.0))
+    return next((each for each in rounded if abs(each - rate) <= CLOCK_ERROR * rate), rate)
 
 
 def _used_by(kind: Any) -> set[str]:

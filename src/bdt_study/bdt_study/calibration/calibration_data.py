@@ -7,6 +7,7 @@ from bdt_analysis.re_estimation.estimator_setup import sampling_rate
 from bdt_bags.reading.recording import Recording
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_study.calibration.fitted_data import SETTINGS, Data
+from bdt_twin.even_samples import EvenSamples, split_at_holes
 from bdt_twin.stretch import LEAD, Stretch
 from bdt_twin.telemetry_window import TelemetryWindow
 
@@ -41,10 +42,11 @@ def calibration_data(recording: Recording, seconds: float, pitch: float) -> Data
     label = f"bag {recording.path}"
     begin = _latest_motion(rows, rate, seconds)
     rows = rows[(rows[:, 0] >= begin) & (rows[:, 0] < begin + seconds)]
-    window = TelemetryWindow(rate, round((seconds + 1.0) * rate))
-    holes = np.abs(np.diff(rows[:, 0]) * rate - 1.0) > 0.01
-    for part in np.split(rows, np.flatnonzero(holes) + 1):
-        window.append(part)
+    window, even = TelemetryWindow(rate, round((seconds + 1.0) * rate)), EvenSamples(rate)
+    for part in split_at_holes(rows, rate):
+        samples = even.take(part)
+        if len(samples):
+            window.append(samples)
     data = Data([], rate)
     end = window.end or 0
     stretches = window.stretches(end, round(SETTINGS.shortest_stretch * rate), data.block)

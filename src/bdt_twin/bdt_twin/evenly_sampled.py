@@ -1,0 +1,52 @@
+"""An estimator that gets even samples, whatever the telemetry is like."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bdt_twin.estimator import Estimate, Estimator
+from bdt_twin.even_samples import EvenSamples, Sampling
+
+
+class EvenlySampled:
+    """Brings telemetry to even samples before an estimator gets it.
+
+    Parameters
+    ----------
+    estimator : Estimator
+        Gets the samples.
+    sampling_rate : float
+        Sampling rate that it expects [Hz].
+
+    Attributes
+    ----------
+    estimator : Estimator
+        The same.
+    """
+
+    def __init__(self, estimator: Estimator, sampling_rate: float) -> None:
+        self.estimator = estimator
+        self._samples = EvenSamples(sampling_rate)
+
+    @property
+    def sampling(self) -> Sampling:
+        """What was made of the stamps."""
+        return self._samples.sampling
+
+    @property
+    def last_fit(self) -> Any:
+        """The estimator's last fit; None for one that has none."""
+        return getattr(self.estimator, "last_fit", None)
+
+    def restart(self) -> None:
+        """Forget everything: another run begins."""
+        self._samples.restart()
+        self.estimator.restart()
+
+    def update(self, batch: NDArray[np.float64], *, newest_only: bool = False) -> Estimate | None:
+        """Take the next batch; see :meth:`bdt_twin.estimator.Estimator.update`."""
+        rows = self._samples.take(batch)
+        if len(batch) and not len(rows):
+            return None
+        return self.estimator.update(rows, newest_only=newest_only)
