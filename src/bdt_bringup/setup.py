@@ -37,6 +37,7 @@ setup(
         "bdt.command": [
             "config = bdt_bringup.commands.config:COMMAND",
             "run = bdt_bringup.commands.run:COMMAND",
+            "status = bdt_bringup.commands.status:COMMAND",
         ],
     },
 )

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from bdt_bringup.loop_state import DEGRADED, OK, LoopState
 from bdt_bringup.progress_display import ProgressDisplay, progress_line
 
 
@@ -20,10 +21,23 @@ class Terminal(io.StringIO):
         return self.terminal
 
 
-def monitor(time, gap=None, dead_zone=None, factor=None):
+WELL = LoopState(OK, "", "well")
+
+
+def monitor(time, gap=None, dead_zone=None, factor=None, state=WELL):
     return SimpleNamespace(
-        simulated_time=time, gap=gap, dead_zone=dead_zone, real_time_factor=lambda: factor
+        simulated_time=time,
+        gap=gap,
+        dead_zone=dead_zone,
+        state=state,
+        real_time_factor=lambda: factor,
     )
+
+
+def test_what_is_wrong_with_the_loop_stands_at_the_end_once_it_runs():
+    late = LoopState(DEGRADED, "twin", "late")
+    assert progress_line("x", 2.0, monitor(1.0, state=late)).endswith("1.0 s  degraded: twin: late")
+    assert "degraded" not in progress_line("x", 2.0, monitor(0.0, state=late))
 
 
 def test_before_anything_is_heard_the_line_shows_the_start():

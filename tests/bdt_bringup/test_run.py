@@ -12,70 +12,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
+from running_loops import DEADLINE, alive, bdt, children, finished, wait_for, wait_for_the_loop
 
 from bdt_bags.recovery.recover_bag import recover_bag
 from bdt_msgs_py.reading import read_position, read_samples, read_voltage
 from bdt_msgs_py.topics import GAP_JOINT, TELEMETRY_COLUMNS
 
 CONFIG = Path(__file__).parents[2] / "config"
-DEADLINE = 180.0
-ONE_SECOND = 250_000
-"""Size of the recording of a second [byte]."""
 VICTIMS = ("plant", "controller", "twin", "recorder")
-
-
-def bdt(*arguments, domain=None):
-    chosen = {} if domain is None else {"ROS_DOMAIN_ID": str(domain)}
-    return subprocess.Popen(
-        [sys.executable, "-m", "bdt_bringup.cli", *map(str, arguments)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | chosen,
-    )
-
-
-def finished(process):
-    out, err = process.communicate(timeout=DEADLINE)
-    return process.returncode, out, err
 
 
 def run(*arguments):
     return finished(bdt("run", "--config", CONFIG / "paper.yaml", *arguments))
-
-
-def wait_for(condition, what):
-    end = time.monotonic() + DEADLINE
-    while not (result := condition()):
-        assert time.monotonic() < end, what
-        time.sleep(0.02)
-    return result
-
-
-def children(pid):
-    """Return the nodes that `bdt run` started: name and process identifier."""
-    nodes = {}
-    for entry in Path("/proc").iterdir():
-        if not entry.name.isdigit():
-            continue
-        try:
-            parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
-            words = (entry / "cmdline").read_text().split("\0")
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        if parent == pid and "bdt_bringup.child_node" in words:
-            nodes[words[4].rsplit(".", 1)[1].removesuffix("_node")] = int(entry.name)
-    return nodes
-
-
-def wait_for_the_loop(process, output):
-    """Wait until the loop has run for about a second of simulated time: the bag grows."""
-
-    def running():
-        assert process.poll() is None, process.communicate()[1]
-        return sum(file.stat().st_size for file in output.glob("bag/*")) > ONE_SECOND
-
-    wait_for(running, "the loop runs")
 
 
 def endless(output, *arguments, domain=None):
@@ -83,14 +31,6 @@ def endless(output, *arguments, domain=None):
     process = bdt("run", "--duration", "1000", "--output", output, *arguments, domain=domain)
     wait_for_the_loop(process, output)
     return process
-
-
-def alive(pid):
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return True
 
 
 def contents(bag, namespace=""):

@@ -3,7 +3,7 @@
 import pytest
 
 from bdt_msgs_py.rejection import MessageRejectedError, Reason
-from bdt_plant.lockstep import Followers
+from bdt_plant.lockstep import RESTART_SILENCE, Followers
 
 SECOND = 1_000_000_000
 
@@ -143,3 +143,43 @@ def test_a_later_promise_is_progress_a_broken_one_is_none():
     assert followers.stuck(["twin"], since=3.0) == ["twin"]
     followers.progress("twin", 0, 6 * SECOND, now=6.0)
     assert followers.stuck(["twin"], since=3.0) == []
+
+
+def follower_at(end, now):
+    followers = Followers(["twin"])
+    followers.telemetry_published(SECOND)
+    followers.telemetry_published(2 * SECOND)
+    followers.telemetry_published(3 * SECOND)
+    followers.progress("twin", end, 5 * SECOND, now=now)
+    return followers
+
+
+def test_a_follower_that_is_started_anew_is_believed_once_the_one_before_is_silent():
+    followers = follower_at(SECOND, now=1.0)
+    assert followers.blocking(3 * SECOND) == ["twin"]
+    with pytest.raises(MessageRejectedError):
+        followers.progress("twin", 0, 100 * SECOND, now=1.0 + 0.9 * RESTART_SILENCE)
+    assert followers.blocking(3 * SECOND) == ["twin"]
+    assert followers.progress("twin", 0, 100 * SECOND, now=1.0 + RESTART_SILENCE)
+    assert followers.blocking(3 * SECOND) == [], "what it has lost never comes"
+    assert followers.stuck(["twin"], since=1.0) == []
+
+
+def test_the_first_telemetry_of_a_follower_that_is_started_anew_is_awaited():
+    followers = follower_at(3 * SECOND, now=1.0)
+    followers.progress("twin", 0, 100 * SECOND, now=10.0)
+    followers.telemetry_published(4 * SECOND)
+    assert followers.blocking(4 * SECOND) == ["twin"], "the others may be a second ahead"
+    followers.progress("twin", 4 * SECOND, 6 * SECOND, now=10.1)
+    followers.telemetry_published(5 * SECOND)
+    assert followers.blocking(5 * SECOND) == []
+
+
+def test_a_second_follower_of_the_name_changes_nothing_while_the_first_one_speaks():
+    followers = follower_at(3 * SECOND, now=1.0)
+    for tick in range(1, 100):
+        now = 1.0 + 0.1 * tick
+        followers.progress("twin", 3 * SECOND, 5 * SECOND, now=now)
+        with pytest.raises(MessageRejectedError):
+            followers.progress("twin", 0, 100 * SECOND, now=now + 0.05)
+    assert followers.blocking(5 * SECOND) == ["twin"], "the promise of the first one holds"

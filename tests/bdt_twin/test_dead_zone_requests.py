@@ -71,6 +71,22 @@ def test_a_controller_that_comes_before_the_answer_of_another_one_is_new(ros):
     assert asker.requests.controller_appeared()
 
 
+def test_it_is_told_which_lives_of_the_controller_have_what_was_asked_for(ros):
+    asker = Asker(ros)
+    asker.start_controller()
+    asker.requests.controller_appeared()
+    assert asker.requests.informed == ()
+    asker.ask()
+    (life,) = asker.requests.informed
+    later = Asker(ros)
+    later.requests.note_informed([life])
+    ros.spin_until(later.requests._found_publishers)
+    assert not later.requests.controller_appeared()
+    later.start_controller()
+    assert later.requests.controller_appeared()
+    assert later.requests.informed == (life,)
+
+
 def test_a_request_waits_for_the_service(ros):
     asker = Asker(ros)
     asker.requests.send(WIDE)

@@ -120,3 +120,9 @@ def test_the_rule_tells_while_doubt_is_larger_than_what_it_may_add():
     assert rule.is_bounded
     rule.restart()
     assert not rule.is_bounded
+
+
+def test_a_rule_goes_on_from_the_tolerance_in_force_at_its_rate():
+    rule = DeadZoneRule(DeadZoneSettings(rate_limit=1e-6), PITCH)
+    rule.resume(2e-5, 10.0)
+    assert rule.tolerance(Estimate(12.0, 0.5), 12.0) == pytest.approx(2.2e-5)

@@ -35,7 +35,7 @@ def test_even_batches_arrive_as_they_are():
     outer = EvenlySampled(inner, 10.0)
     rows = np.column_stack([np.arange(10) / 10.0, np.zeros((10, 2))])
     assert outer.update(rows).gap == 0.2
-    assert outer.update(rows + [1.0, 0.0, 0.0], newest_only=True).gap == 0.1
+    assert outer.update(rows + np.array([1.0, 0.0, 0.0]), newest_only=True).gap == 0.1
     assert inner.batches[0] is rows
     assert outer.last_fit == "none"
     assert outer.sampling.is_even
@@ -47,7 +47,7 @@ def test_what_has_to_wait_for_the_next_batch_is_no_estimate_yet():
     rows = np.column_stack([np.array([0.0, 0.13, 0.2]), np.zeros((3, 2))])
     assert outer.update(rows) is None
     assert not inner.batches
-    assert outer.update(rows + [0.3, 0.0, 0.0]) is not None
+    assert outer.update(rows + np.array([0.3, 0.0, 0.0])) is not None
     outer.restart()
     assert inner.restarts == 1
     assert outer.sampling.is_even

@@ -238,3 +238,19 @@ def test_nothing_arrives_before_the_promise(table, tenths, learned):
 def test_a_fault_is_named_with_its_value_and_what_is_allowed(fault, text):
     with pytest.raises(ValueError, match=text):
         LinkSettings(**fault)
+
+
+def test_what_was_in_force_before_is_sent_again_and_is_older_than_whatever_is_learned():
+    link = link_with(1.0)
+    link.resume(2e-5, -0.02, (("pid.integral", 3.0),))
+    assert link.deliver(9 * SECOND) is None, "nobody asked for it"
+    assert link.send_again(5 * SECOND) == 6 * SECOND
+    link.send(5 * SECOND, 1, 3e-5)
+    assert link.deliver(6 * SECOND - 1) is None
+    assert link.deliver(6 * SECOND).tolerance == 3e-5
+    link.restart()
+    assert link.in_force is None
+    link.resume(2e-5, -0.02, (("pid.integral", 3.0),))
+    link.send_again(7 * SECOND)
+    expected = Reconfiguration(8 * SECOND, 0, 2e-5, -0.02, (("pid.integral", 3.0),))
+    assert link.deliver(8 * SECOND) == expected

@@ -146,3 +146,32 @@ def test_an_offset_that_was_stated_is_stated_when_it_has_become_small():
     memory = MachineMemory(MotorParameters())
     memory.voltage_offset(told(0.02))
     assert memory.voltage_offset(told(1e-4)).voltage == 1e-4
+
+
+def test_a_memory_that_was_kept_goes_on_as_if_it_had_never_ended():
+    first = MachineMemory(MotorParameters())
+    assert first.recollection() is None
+    first.has_evidence(evidence_of("voltage_offset", 20.0), told())
+    first.has_cogging(CoggingEvidence(gain=2.0 * COGGING_EVIDENCE, cogs=12))
+    first.voltage_offset(told(offset=0.02))
+    first.learn(10.0, told(offset=0.02))
+    later = MachineMemory(MotorParameters())
+    later.recall(first.recollection(), 25.0)
+    for one, other in zip(first.before(35.0), later.before(7.0), strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert later.cogs == 12
+    assert later.voltage_offset(told(offset=1e-4)) is not None, "it is told from none already"
+    assert not later.has_evidence(evidence_of("voltage_offset", 20.0), told())
+
+
+def test_the_older_what_was_kept_the_less_is_known():
+    first = MachineMemory(MotorParameters(coulomb_friction=0.01))
+    first.learn(10.0, told(friction=0.1))
+    kept = first.recollection()
+    spreads = []
+    for age in (1.0, 1e3, 1e6):
+        later = MachineMemory(MotorParameters(coulomb_friction=0.01))
+        later.recall(kept, age)
+        spreads.append(spread_of(later.before(0.0), FRICTION))
+    assert spreads == sorted(spreads)
+    assert spreads[0] < spreads[-1] == pytest.approx(EFFECT_SPREAD[0]), "no less than at first"

@@ -17,6 +17,7 @@ from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.structure import StructureParameters
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.estimator import TelemetryRejectedError
+from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.window_loop import compiled_structure, compiled_window
@@ -276,3 +277,24 @@ def test_without_numba_the_estimates_are_the_same(closed_loop, monkeypatch):
             cached.cache_clear()
     assert plain[0].gap == pytest.approx(compiled[0].gap, rel=1e-9)
     assert plain[0].is_known
+
+
+def test_what_is_known_of_a_machine_is_of_use_to_the_next_estimator(closed_loop):
+    """After a short window it is surer of its constants than one that has to learn them all."""
+    rows = closed_loop(duration=24.0, rate=RATE, model=OTHER_PLANT).rows.copy()
+    rows[:, 2] += np.random.default_rng(3).normal(0.0, 5e-6, len(rows))
+    before = OutputErrorEstimator(PlantModel(), CHOSEN, RATE)
+    assert before.recollection is None
+    before.update(rows[:14000])
+    fresh, informed = (OutputErrorEstimator(PlantModel(), CHOSEN, RATE) for _ in range(2))
+    informed.recall(before.recollection, 5.0)
+    for estimator in (fresh, informed):
+        estimator.update(rows[17500:19001])
+    alone, first = (
+        np.sqrt(np.diag(estimator.last_fit.fit.machine.covariance)[: len(FACTORS)])
+        for estimator in (fresh, informed)
+    )
+    assert (first < alone).all()
+    informed.restart()
+    informed.update(rows[17500:19001])
+    assert informed.last_fit.estimate == fresh.last_fit.estimate, "another run begins"

@@ -170,3 +170,16 @@ def test_the_diagnostics_tell_reason_and_expectation():
 def test_a_fault_of_the_settings_is_named(fault, text):
     with pytest.raises(ValueError, match=text):
         DecisionSettings(**fault)
+
+
+def test_a_decision_goes_on_with_the_redesign_that_is_in_force():
+    gains = dict(TUNED.by_name())
+    resumed = decider(redesign=TUNED)
+    resumed.resume(gains)
+    assert decide(resumed).gains == TUNED
+    other = decider(redesign=SLOWER)
+    other.resume(gains)
+    assert decide(other).gains != TUNED, "these are not its own"
+    resumed.restart()
+    fresh = decider(redesign=TUNED)
+    assert decide(resumed) == decide(fresh), "another run begins"

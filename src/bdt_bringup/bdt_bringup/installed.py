@@ -12,6 +12,7 @@ from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, RECORDER_NODE, TWIN_
 
 PACKAGE_OF_COMMAND = {
     "run": "bdt_bringup",
+    "status": "bdt_bringup",
     "config": "bdt_bringup",
     "record": "bdt_bags",
     "recover": "bdt_bags",

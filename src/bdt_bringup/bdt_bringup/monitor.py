@@ -8,6 +8,8 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
+from bdt_bringup.loop_health import LoopHealth
+from bdt_bringup.loop_state import LoopState
 from bdt_msgs_py.clock_check import clock_sequence
 from bdt_msgs_py.message_checks import check_clock, check_dead_zone, check_estimate
 from bdt_msgs_py.qos import qos_profile
@@ -44,6 +46,7 @@ class MonitorNode(Node):
         self._begin: tuple[float, float] | None = None
         self._heard = 0.0
         self._times = clock_sequence()
+        self._health = LoopHealth(self)
         self.rejected = RejectedMessages(self.get_logger())
         for kind, topic, callback in (
             (Clock, CLOCK, self._take_clock),
@@ -51,6 +54,11 @@ class MonitorNode(Node):
             (ParameterEvent, PARAMETER_EVENTS, self._take_parameter_event),
         ):
             self.create_subscription(kind, topic.name, callback, qos_profile(topic))
+
+    @property
+    def state(self) -> LoopState:
+        """State of the loop, as its nodes say it."""
+        return self._health.state
 
     def real_time_factor(self) -> float | None:
         """Return simulated seconds per second of wall time until the latest of /clock."""

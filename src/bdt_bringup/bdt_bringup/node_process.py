@@ -30,7 +30,8 @@ class NodeProcess:
         self.log = log
         guard = [sys.executable, "-m", "bdt_bringup.child_node", str(os.getpid()), module]
         command = [*guard, "--ros-args", *ros_arguments]
-        with log.open("wb") as output:
+        # What a node said before it was started anew is of interest.
+        with log.open("ab") as output:
             self._process = subprocess.Popen(  # noqa: S603
                 command,
                 stdin=subprocess.DEVNULL,

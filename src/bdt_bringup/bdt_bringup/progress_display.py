@@ -8,6 +8,8 @@ import sys
 from types import TracebackType
 from typing import Protocol, Self
 
+from bdt_bringup.loop_state import LoopState
+
 _ERASE_LINE = "\r\x1b[K"
 _BAR_WIDTH = 24
 
@@ -28,6 +30,10 @@ class ObservedLoop(Protocol):
     simulated_time: float
     gap: float | None
     dead_zone: float | None
+
+    @property
+    def state(self) -> LoopState:
+        """State of the loop, as its nodes say it."""
 
     def real_time_factor(self) -> float | None:
         """Return simulated seconds per second of wall time; None before the loop has begun."""
@@ -69,7 +75,9 @@ class ProgressDisplay:
 
 
 def progress_line(title: str, duration: float, loop: ObservedLoop) -> str:
-    """Return title, bar, simulated time, real-time factor, gap estimate and dead zone as a line.
+    """Return title, bar, simulated time, real-time factor, gap estimate, dead zone as a line.
+
+    A state of the loop that is not ok stands at its end.
 
     Parameters
     ----------
@@ -90,4 +98,7 @@ def progress_line(title: str, duration: float, loop: ObservedLoop) -> str:
         parts.append(f"gap {math.degrees(loop.gap):.2f} deg")
     if loop.dead_zone is not None:
         parts.append(f"dead zone {loop.dead_zone * 1e6:.1f} um")
+    state = loop.state
+    if loop.simulated_time > 0.0 and state.node:
+        parts.append(str(state))
     return "  ".join(parts)

@@ -9,12 +9,12 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from bdt_bringup.installed import node_class, node_module
+from bdt_bringup.installed import node_class
 from bdt_bringup.monitor import MonitorNode
-from bdt_bringup.node_process import NodeProcess, stop_all
 from bdt_bringup.progress_display import ProgressDisplay
 from bdt_bringup.run_plan import RunPlan
-from bdt_msgs_py.command_errors import BAD_INPUT, BadInputError, LoopError
+from bdt_bringup.supervisor import Supervisor
+from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.folder_sync import create_folder
 from bdt_msgs_py.loop_namespace import namespace_arguments
 from bdt_msgs_py.node_parameters import ConfigurationError
@@ -46,7 +46,8 @@ def run_loop(plan: RunPlan) -> float | None:
         If another loop runs in the same namespace of the same ROS domain, or a node refuses its
         parameters.
     LoopError
-        If a node ended before its time; the text says which one and what it said last.
+        If a node ended before its time, and too often if it is supervised; the text says which one
+        and what it said last.
     KeyboardInterrupt
         After Ctrl-C or SIGTERM, when all nodes have been stopped.
     """
@@ -96,38 +97,19 @@ def _run_in_processes(
     display: ProgressDisplay,
     signals: StopSignals,
 ) -> None:
-    logs = plan.output / "log"
-    logs.mkdir()
-    running: list[NodeProcess] = []
+    supervisor = Supervisor(plan)
     try:
-        for name in plan.nodes:
-            log = logs / f"{name}.log"
-            running += [NodeProcess(name, node_module(name), plan.ros_arguments(name), log)]
-        plant = running[-1]
-        while plant.exit_code is None:
+        supervisor.start_all()
+        while supervisor.plant.exit_code is None:
             executor.spin_once(timeout_sec=REFRESH)
             display.show(monitor)
             signals.check()
-            _raise_for_ended_node([process for process in running if process is not plant])
-        if plant.exit_code != 0:
-            _raise_for_ended_node(running)
+            supervisor.look()
+        if supervisor.plant.exit_code != 0:
+            supervisor.raise_for_failures()
     finally:
-        stop_all(running)
-    _raise_for_ended_node([process for process in running if process.exit_code != 0])
-
-
-def _raise_for_ended_node(processes: list[NodeProcess]) -> None:
-    """Raise for a process that has ended, preferably one that a signal ended.
-
-    A node that dies takes others along: the plant gives up when nobody answers.
-    """
-    ended = [process for process in processes if process.exit_code is not None]
-    if not ended:
-        return
-    culprit = min(ended, key=lambda process: process.exit_code or 0)
-    said = " | ".join(culprit.last_lines())
-    text = f"node {culprit.name}: {culprit.describe_end()}" + (f": {said}" if said else "")
-    raise BadInputError(text) if culprit.exit_code == BAD_INPUT else LoopError(text)
+        supervisor.stop()
+    supervisor.raise_for_failures()
 
 
 def _run_in_this_process(

@@ -36,6 +36,8 @@ class RunPlan:
     recorder : mapping of str, or None
         The recorder's parameters, save where the bag is: a matter of `output`. None records
         nothing.
+    supervise : bool
+        Whether nodes that died are started anew.
     """
 
     configuration: Configuration
@@ -44,6 +46,7 @@ class RunPlan:
     processes: Literal["separate", "single"]
     output: Path
     recorder: Mapping[str, Any] | None
+    supervise: bool = False
 
     @property
     def record(self) -> bool:
@@ -56,18 +59,31 @@ class RunPlan:
         return self.output / "bag"
 
     @property
+    def bags(self) -> list[Path]:
+        """Folders of all bags there are: a recorder that is started anew begins another one."""
+        return sorted(self.output.glob(f"{self.bag.name}*"))
+
+    @property
     def nodes(self) -> list[str]:
         """Names of the nodes in the order of their start."""
         return [name for name in PACKAGE_OF_NODE if self.record or name != RECORDER_NODE]
 
-    def ros_arguments(self, node: str) -> list[str]:
-        """Return what follows ``--ros-args`` on the command line of `node`."""
+    def ros_arguments(self, node: str, life: int = 1) -> list[str]:
+        """Return what follows ``--ros-args`` on the command line of `node`.
+
+        Parameters
+        ----------
+        node : str
+            Name of the node.
+        life : int
+            1 at first, one more each time it is started anew.
+        """
         arguments = namespace_arguments(self.configuration.namespace)
         if node in self.configuration.configured:
             arguments += ["--params-file", str(self.configuration.path)]
-        return [*arguments, *ros_arguments(self._overrides(node))]
+        return [*arguments, *ros_arguments(self._overrides(node, life))]
 
-    def _overrides(self, node: str) -> dict[str, Any]:
+    def _overrides(self, node: str, life: int) -> dict[str, Any]:
         if node == PLANT_NODE:
             followers = [name for name in (TWIN_NODE, RECORDER_NODE) if name in self.nodes]
             return {
@@ -76,8 +92,15 @@ class RunPlan:
                 "lockstep_followers": followers,
             }
         if node == RECORDER_NODE:
-            return {**(self.recorder or {}), "bag": str(self.bag)}
-        return {"use_sim_time": True}
+            bag = self.bag if life == 1 else self.bag.with_name(f"{self.bag.name}-{life}")
+            return {**(self.recorder or {}), "bag": str(bag)}
+        overrides: dict[str, Any] = {"use_sim_time": True}
+        if node == TWIN_NODE and self.supervise and not self._value(node, "state_file"):
+            overrides["state_file"] = str((self.output / "twin_state.json").absolute())
+        return overrides
+
+    def _value(self, node: str, name: str) -> Any:
+        return self.configuration.value(node, name)
 
 
 def plan_run(
@@ -88,18 +111,21 @@ def plan_run(
     processes: Literal["separate", "single"],
     output: Path | None,
     recorder: Mapping[str, Any] | None,
+    supervise: bool = False,
 ) -> RunPlan:
     """Return a checked plan; what is None comes from the configuration.
 
     Raises
     ------
     BadInputError
-        For a duration that is not positive, an output folder that already holds something, or a
-        node that is not installed.
+        For a duration that is not positive, an output folder that already holds something, a node
+        that is not installed, or supervision in a single process.
     """
     chosen = duration
     if chosen is None:
         chosen = configuration.value(PLANT_NODE, "duration") or DEFAULT_DURATION
+    if supervise and processes == "single":
+        raise BadInputError("--supervise: needs processes of their own: --processes separate")
     if not 0 < chosen <= 1e9:
         raise BadInputError(f"--duration {chosen!r} s: must be above 0 and at most 1e9")
     if output is None:
@@ -117,6 +143,7 @@ def plan_run(
         processes=processes,
         output=output,
         recorder=recorder,
+        supervise=supervise,
     )
     if missing := missing_packages(plan.nodes):
         raise BadInputError(f"bdt run: needs the package {' and '.join(missing)}, install it")

@@ -6,6 +6,10 @@ messages how far it has come and until when it promises not to act on the loop, 
 it is still to receive. The plant waits for a follower when it reaches that time, and when the
 follower lacks so much telemetry that messages might be lost. Everything that happens in simulated
 time is then independent of how fast the computers are.
+
+A follower that is started anew has lost what was published while it was away, and says that it has
+seen nothing. It is believed once the one before is silent; then the next batch is awaited, as the
+first one of a run is.
 """
 
 from collections.abc import Iterable
@@ -17,6 +21,10 @@ LEAD = 1_000_000_000
 
 LEAD_BATCHES = 20
 """Telemetry batches by which the plant runs ahead of a follower at most."""
+
+
+RESTART_SILENCE = 0.5
+"""Wall time [s] without a word of a follower after which one that begins is no stray."""
 
 
 class Followers:
@@ -32,6 +40,8 @@ class Followers:
         self._telemetry_end: dict[str, int] = {name: -1 for name in names if name}
         self._earliest_action: dict[str, int] = dict.fromkeys(self._telemetry_end, 0)
         self._came_on_at: dict[str, float] = {}
+        self._heard_at: dict[str, float] = {}
+        self._newcomers: dict[str, int] = {}
         self._newest_telemetry = 0
         self._lead = 0
 
@@ -76,6 +86,10 @@ class Followers:
         # A node that saw a run before this one cannot know of this one before its telemetry.
         end = telemetry_end if self._newest_telemetry else 0
         before = self._telemetry_end[name]
+        is_silent = now - self._heard_at.get(name, now) >= RESTART_SILENCE
+        if telemetry_end == 0 and before > 0 and is_silent:
+            end = self._newest_telemetry
+            self._newcomers[name] = end
         if not before <= end <= self._newest_telemetry:
             raise MessageRejectedError(
                 Reason.TIME,
@@ -86,6 +100,9 @@ class Followers:
             self._came_on_at[name] = now
         self._telemetry_end[name] = end
         self._earliest_action[name] = earliest_action
+        self._heard_at[name] = now
+        if end > self._newcomers.get(name, end):
+            del self._newcomers[name]
         return True
 
     def stuck(self, names: Iterable[str], since: float) -> list[str]:
@@ -98,8 +115,11 @@ class Followers:
             name
             for name, telemetry_end in self._telemetry_end.items()
             if self._earliest_action[name] <= time
-            or telemetry_end < self._newest_telemetry - self._lead
+            or telemetry_end < self._newest_telemetry - self._lead_of(name)
         ]
+
+    def _lead_of(self, name: str) -> int:
+        return 0 if name in self._newcomers else self._lead
 
     def lagging(self) -> list[str]:
         """Return the names of the nodes that have not yet worked on the newest telemetry."""

@@ -1,22 +1,32 @@
 """The last part of a reconfiguration's way, from the end of the slow link to the controller."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.timer import Timer
 
 from bdt_msgs_py.rejection import MessageRejectedError
-from bdt_msgs_py.topics import PROGRESS_PERIOD, Topic
+from bdt_msgs_py.topics import (
+    DEAD_ZONE_PARAMETER,
+    PROGRESS_PERIOD,
+    VOLTAGE_OFFSET_PARAMETER,
+    Topic,
+)
+from bdt_twin.controller_account import BY_SERVICE, Account, ControllerAccount
 from bdt_twin.dead_zone_requests import DeadZoneRequests
 from bdt_twin.dead_zone_watch import DeadZoneWatch
 from bdt_twin.link import Reconfiguration
 from bdt_twin.reconfiguration import Reconfigurator
 from bdt_twin.twin_settings import TwinSettings
+from bdt_twin.twin_state import TwinState
 
 
 class DeadZoneDelivery:
     """Asks the controller for what has arrived, and a controller that comes anew once more.
+
+    A twin that comes later than its controller goes on from what the controller has, as soon as
+    that says that it is not what it began with.
 
     Nothing here waits inside a callback: what is on its way is a timer on simulated time.
 
@@ -32,6 +42,8 @@ class DeadZoneDelivery:
         Called when something has happened to a reconfiguration outside of the twin's own calls.
     reject : callable
         Called with topic and reason for a message that cannot be true.
+    gain_names : sequence of str
+        The controller's parameters that the twin sets beside dead zone and offset.
 
     Attributes
     ----------
@@ -48,15 +60,22 @@ class DeadZoneDelivery:
         reconfigurator: Reconfigurator,
         progressed: Callable[[], object],
         reject: Callable[[Topic, MessageRejectedError], object],
+        gain_names: Sequence[str] = (),
     ) -> None:
         self._node, self._reconfigurator = node, reconfigurator
         self._progressed = progressed
         self._settings = settings
         self._arrival_timer: Timer | None = None
-        controller = settings.controller_node
-        self.in_force = DeadZoneWatch(node, controller, self._set_by_somebody_else, reject).state
-        self.requests = DeadZoneRequests(
-            node, controller, settings.service_timeout, self._request_ended
+        self._gain_names, self._is_own, self._has_adopted = gain_names, False, False
+        controller, timeout = settings.controller_node, settings.service_timeout
+        self.requests = DeadZoneRequests(node, controller, timeout, self._request_ended)
+        self._watch = DeadZoneWatch(
+            node, controller, self._set_by_somebody_else, self._look_for_controller, reject
+        )
+        self.in_force = self._watch.state
+        names = (DEAD_ZONE_PARAMETER, VOLTAGE_OFFSET_PARAMETER, *gain_names)
+        self._account = ControllerAccount(
+            node, controller, timeout, names, self._is_in_doubt, self._take_account
         )
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(PROGRESS_PERIOD, self._look_for_controller, clock=steady)
@@ -72,6 +91,7 @@ class DeadZoneDelivery:
 
     def restart(self) -> None:
         """Forget what is on its way and what is in force."""
+        self._is_own = self._has_adopted = False
         self._reconfigurator.restart()
         self.requests.drop()
         self._destroy_arrival_timer()
@@ -91,13 +111,58 @@ class DeadZoneDelivery:
         if arrived is not None:
             if not self._settings.compensate_offset:
                 arrived = arrived._replace(voltage_offset=None)
-            self.in_force.request(arrived.tolerance)
+            self._is_own = True
+            self._watch.request(arrived)
             self.requests.send(arrived)
             return
         self._destroy_arrival_timer()
         due = self._reconfigurator.next_due()
         if due is not None:
             self._arrival_timer = self._node.create_timer((due - now) * 1e-9, self.deliver)
+
+    def resume(self, kept: TwinState) -> None:
+        """Go on from what was in force when a twin ended; a controller of then has it still."""
+        if self._settings.reconfigure:
+            self.requests.note_informed(kept.lives)
+            self._resume(kept.tolerance, kept.voltage_offset, kept.gains)
+
+    def _resume(
+        self, tolerance: float, offset: float | None, gains: tuple[tuple[str, float], ...]
+    ) -> None:
+        offset = offset if self._settings.compensate_offset else None
+        gains = tuple((name, value) for name, value in gains if name in self._gain_names)
+        now = self._node.get_clock().now().nanoseconds
+        self._reconfigurator.resume(now, tolerance, offset, gains)
+
+    def _is_in_doubt(self, set_by: str) -> bool:
+        """Tell whether a controller may have something else than the twin believes."""
+        if not self._settings.reconfigure or self.next_due() is not None:
+            return False
+        return (
+            not self._is_own if set_by == BY_SERVICE else self._reconfigurator.in_force is not None
+        )
+
+    def _take_account(self, account: Account) -> None:
+        if not self._is_in_doubt(account.set_by):
+            return
+        values, in_force = account.values, self._reconfigurator.in_force
+        if account.set_by == BY_SERVICE:
+            self._adopt(values)
+        elif in_force is not None and _differ(values, in_force):
+            self._send_again("the controller has what it began with")
+
+    def _adopt(self, values: Mapping[str, float]) -> None:
+        tolerance = values[DEAD_ZONE_PARAMETER]
+        gains = tuple((name, values[name]) for name in self._gain_names if name in values)
+        self._resume(tolerance, values.get(VOLTAGE_OFFSET_PARAMETER), gains)
+        self.requests.note_informed()
+        self._progressed()
+        if not self._has_adopted:
+            self._has_adopted = True
+            self.in_force.adopt(tolerance)
+            self._node.get_logger().info(
+                f"the controller's dead zone of {tolerance:g} m stays until the gap is known"
+            )
 
     def next_due(self) -> int | None:
         """Return when the next reconfiguration arrives or has arrived [ns]; None without one."""
@@ -110,10 +175,12 @@ class DeadZoneDelivery:
 
     def _look_for_controller(self) -> None:
         """Send what is in force to a controller that has just come, and knows nothing of it."""
-        if not (self.requests.controller_appeared() and self._settings.reconfigure):
-            return
+        if self.requests.controller_appeared() and self._settings.reconfigure:
+            self._send_again("a new controller")
+
+    def _send_again(self, reason: str) -> None:
         if self._reconfigurator.send_again(self._node.get_clock().now().nanoseconds):
-            self._node.get_logger().info("a new controller: the dead zone in force is sent again")
+            self._node.get_logger().info(f"{reason}: the dead zone in force is sent again")
             self.deliver()
             self._progressed()
 
@@ -128,3 +195,11 @@ class DeadZoneDelivery:
         if self._arrival_timer is not None:
             self._node.destroy_timer(self._arrival_timer)
             self._arrival_timer = None
+
+
+def _differ(values: Mapping[str, float], in_force: Reconfiguration) -> bool:
+    """Tell whether a controller has anything else than what is in force, as far as it has it."""
+    wanted = {DEAD_ZONE_PARAMETER: in_force.tolerance, **dict(in_force.gains)}
+    if in_force.voltage_offset is not None:
+        wanted[VOLTAGE_OFFSET_PARAMETER] = in_force.voltage_offset
+    return any(values.get(name, value) != value for name, value in wanted.items())

@@ -16,7 +16,8 @@ class DeadZoneInForce:
     tolerance : float or None
         Value in force [m]; None before the first event.
     set_by : str
-        ``twin``, ``somebody else``, ``start-up of the controller``, or ``unknown``.
+        ``twin``, ``somebody else``, ``start-up of the controller``, ``before the twin came``, or
+        ``unknown``.
     """
 
     tolerance: float | None = None
@@ -26,6 +27,10 @@ class DeadZoneInForce:
     def request(self, tolerance: float) -> None:
         """Note that the twin asks for a tolerance [m]."""
         self._requested.append(tolerance)
+
+    def adopt(self, tolerance: float) -> None:
+        """Note that a controller that was there before the twin has a tolerance [m]."""
+        self.tolerance, self.set_by = tolerance, "before the twin came"
 
     def note(self, tolerance: float, *, is_new: bool) -> bool:
         """Take an event of the controller.

@@ -1,6 +1,7 @@
 """Requests to the controller's parameter service: asked, answered, refused or given up."""
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
 from rcl_interfaces.msg import SetParametersResult
@@ -22,8 +23,18 @@ from bdt_twin.link import Reconfiguration
 
 Response: TypeAlias = SetParameters.Response | SetParametersAtomically.Response
 
+Life: TypeAlias = tuple[int, ...]
+"""Identifier of one life of a controller: that of its publisher of parameter events."""
+
 LOOK_PERIOD = 0.05
 """Wall time [s] between two looks for a service that is not there yet."""
+
+NEWCOMER, PATIENCE = 3.0, 0.2
+"""Wall time [s] for which a controller is a newcomer, and after which it is asked once more then.
+
+The network forgets a dead one in its own time: until then its service looks ready, before that of
+the newcomer is, and what is asked goes nowhere.
+"""
 
 
 class DeadZoneRequests:
@@ -68,8 +79,10 @@ class DeadZoneRequests:
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timers: list[Timer] = []
         self._answer: Future[Response] | None = None
-        self._publishers: set[tuple[int, ...]] = set()
-        self._asked: set[tuple[int, ...]] = set()
+        self._publishers: set[Life] = set()
+        self._asked: set[Life] = set()
+        self._informed: set[Life] = set()
+        self._asked_at = self._newcomer_until = 0.0
         self._is_there = self._is_dropped = False
         self.in_flight: Reconfiguration | None = None
         self.accepted = self.failed = self.refused_offsets = 0
@@ -79,6 +92,9 @@ class DeadZoneRequests:
         self.in_flight, self._is_dropped = reconfiguration, False
         self._timers = [self._node.create_timer(self._timeout, self._give_up, clock=self._steady)]
         self._ask()
+        self._look_for_service()
+
+    def _look_for_service(self) -> None:
         if self._answer is None:
             self._timers += [self._node.create_timer(LOOK_PERIOD, self._ask, clock=self._steady)]
 
@@ -91,7 +107,33 @@ class DeadZoneRequests:
         appeared = not found <= self._publishers
         self._publishers |= found
         self._is_there = self._is_there and not appeared
+        now = time.monotonic()
+        if appeared:
+            self._newcomer_until = now + NEWCOMER
+        is_overdue = now < self._newcomer_until and now - self._asked_at >= PATIENCE
+        if (appeared and not found <= self._asked) or is_overdue:
+            self._ask_anew()
         return appeared
+
+    def _ask_anew(self) -> None:
+        """Ask once more: whoever was asked is gone, or a second question does it no harm."""
+        if self._answer is None or self._is_dropped:
+            return
+        self._answer.cancel()
+        self._answer = None
+        self._ask()
+        self._look_for_service()
+
+    @property
+    def informed(self) -> tuple[str, ...]:
+        """Identifiers of the controllers that have what was asked for last."""
+        return tuple(sorted(bytes(life).hex() for life in self._informed))
+
+    def note_informed(self, lives: Iterable[str] | None = None) -> None:
+        """Note that controllers have what is in force: those of these identifiers, or all."""
+        known = {tuple(bytes.fromhex(life)) for life in lives} if lives is not None else None
+        self._informed = self._found_publishers() if known is None else known
+        self._publishers |= self._informed
 
     def drop(self) -> None:
         """Forget a request that waits for the service; one that was sent may still be answered."""
@@ -108,7 +150,7 @@ class DeadZoneRequests:
         if self.in_flight is not None:
             self.in_flight = self.in_flight._replace(voltage_offset=None, gains=())
 
-    def _found_publishers(self) -> set[tuple[int, ...]]:
+    def _found_publishers(self) -> set[Life]:
         return {
             tuple(one.endpoint_gid)
             for one in self._node.get_publishers_info_by_topic(PARAMETER_EVENTS.name)
@@ -123,7 +165,7 @@ class DeadZoneRequests:
         self._is_there = self._is_there or self._client.services_are_ready()
         if not self._is_there:
             return
-        self._asked = self._found_publishers()
+        self._asked, self._asked_at = self._found_publishers(), time.monotonic()
         values = {DEAD_ZONE_PARAMETER: wanted.tolerance, **dict(wanted.gains)}
         if wanted.voltage_offset is not None:
             values[VOLTAGE_OFFSET_PARAMETER] = wanted.voltage_offset
@@ -149,6 +191,7 @@ class DeadZoneRequests:
         self._publishers |= self._asked
         if result.successful:
             self.accepted += 1
+            self._informed = self._asked
         else:
             self._fail(f"the controller refused the dead zone: {result.reason}")
         self._end()

@@ -135,6 +135,10 @@ class DeadZoneRule:
         self._last: tuple[float, float] | None = None
         self.is_bounded = False
 
+    def resume(self, tolerance: float, time: float) -> None:
+        """Go on from a tolerance [m] that is in force at a time [s]."""
+        self._last = (time, tolerance)
+
     def tolerance(self, estimate: Estimate, time: float) -> float:
         """Return the tolerance epsilon_dz [m] that is to take effect at `time` [s]."""
         return self.limited(self.wanted(estimate, time), time)

@@ -1,5 +1,6 @@
 """What decides by simulation beside an estimator, in the node and offline."""
 
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 import numpy as np
@@ -39,6 +40,7 @@ def create_decider(
     estimator: Estimator,
     delay: float,
     horizon: float,
+    gains_in_force: Callable[[], Mapping[str, float]] = dict,
 ) -> Decider:
     """Return what decides.
 
@@ -56,6 +58,9 @@ def create_decider(
         Time to the controller that has to be reckoned with [s].
     horizon : float
         Time for which a decision is to hold at least [s].
+    gains_in_force : callable
+        Returns the gains that a twin before has set, by the names of the controller's parameters;
+        asked before the first decision.
     """
     if settings.kind == "equation_9":
         return no_decider
@@ -63,15 +68,21 @@ def create_decider(
     # Whatever is not in numba's cache is compiled now, not when the first batch waits.
     compiled_steps()
     decision = SimulatedDecision(settings, model, today, offered, horizon)
+    resumes = True
 
     def decide(rows: FloatArray, estimate: Estimate | None, *, begins: bool) -> Decision | None:
+        nonlocal resumes
         if begins:
             decision.restart()
+            resumes = False
         # A hole has times alone.
         if np.isfinite(rows).all():
             decision.watch(rows)
         if estimate is None or not estimate.is_known:
             return None
+        if resumes:
+            decision.resume(gains_in_force())
+            resumes = False
         return decision.decide(estimate, _knowledge(estimator), float(rows[-1, 0]), delay)
 
     return decide

@@ -79,6 +79,11 @@ class DecisionSettings:
         maximum=1e6,
     )
 
+    @property
+    def sets_gains(self) -> bool:
+        """Whether gains may be set, and not the dead zone alone."""
+        return self.kind == "simulate" and self.reconfigure_gains
+
     def __post_init__(self) -> None:
         validate(self)
         if not self.step_heights:

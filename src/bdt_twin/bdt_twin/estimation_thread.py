@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bdt_twin.decider import Decider, no_decider
 from bdt_twin.estimator import Estimate, Estimator, TelemetryRejectedError
+from bdt_twin.machine_memory import MachineRecollection
 from bdt_twin.simulated_decision import Decision
 from bdt_twin.user_estimator import UserEstimatorError
 
@@ -47,6 +48,8 @@ class Outcome(NamedTuple):
         Wall time that it took [s].
     decision : Decision or None
         What was decided for the estimate; None without one, and for eq. 9.
+    machine : MachineRecollection or None
+        What is worth keeping of the machine; None from an estimator that does not look at it.
     """
 
     newest: float
@@ -58,6 +61,7 @@ class Outcome(NamedTuple):
     begins: bool
     seconds: float
     decision: Decision | None = None
+    machine: MachineRecollection | None = None
 
 
 class _Batch(NamedTuple):
@@ -191,6 +195,7 @@ class EstimationThread:
             begins,
             time.perf_counter() - began,
             decision,
+            getattr(self._estimator, "recollection", None),
         )
 
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.even_samples import EvenSamples, Sampling
+from bdt_twin.machine_memory import MachineRecollection
 
 
 class EvenlySampled:
@@ -38,6 +39,11 @@ class EvenlySampled:
     def last_fit(self) -> Any:
         """The estimator's last fit; None for one that has none."""
         return getattr(self.estimator, "last_fit", None)
+
+    @property
+    def recollection(self) -> MachineRecollection | None:
+        """What the estimator knows of the machine, for another one to begin with."""
+        return getattr(self.estimator, "recollection", None)
 
     def restart(self) -> None:
         """Forget everything: another run begins."""

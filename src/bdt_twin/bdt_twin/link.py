@@ -15,6 +15,9 @@ from bdt_plant.elementary_functions import exponential
 
 DISTRIBUTIONS = ("fixed", "uniform", "log_normal", "table")
 
+BEFORE_ALL = -1
+"""Time [ns] before any telemetry."""
+
 LOOKAHEAD = 1000
 """Messages to come that a promise takes into account."""
 
@@ -143,6 +146,24 @@ class DelayedLink:
         self._newest: int | None = None
         self._in_force: Reconfiguration | None = None
         self.lost = self.overtaken = 0
+
+    @property
+    def in_force(self) -> Reconfiguration | None:
+        """What was delivered last, with the offset and the gains from before; None for nothing."""
+        return self._in_force
+
+    def resume(
+        self,
+        tolerance: float,
+        voltage_offset: float | None = None,
+        gains: tuple[tuple[str, float], ...] = (),
+    ) -> None:
+        """Take for delivered what somebody else has delivered before; see `Reconfiguration`.
+
+        Whatever is learned from telemetry is newer.
+        """
+        self._newest = BEFORE_ALL
+        self._in_force = Reconfiguration(BEFORE_ALL, BEFORE_ALL, tolerance, voltage_offset, gains)
 
     @property
     def expected_delay(self) -> float:

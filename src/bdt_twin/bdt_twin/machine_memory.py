@@ -43,6 +43,27 @@ class VoltageOffset(NamedTuple):
     uncertainty: float
 
 
+class MachineRecollection(NamedTuple):
+    """What is kept of a machine beyond the end of the twin.
+
+    Attributes
+    ----------
+    machine : MachineKnowledge
+        What the newest window has told.
+    present : frozenset of str
+        Names of the ``EFFECTS`` that the machine has.
+    cogs : int
+        Periods of the motor's cogging in a turn; 0 for none.
+    has_offset : bool
+        Whether the amplifier's offset is told from none.
+    """
+
+    machine: MachineKnowledge
+    present: frozenset[str]
+    cogs: int
+    has_offset: bool
+
+
 class _Told(NamedTuple):
     """What a window has told: when it ended [s], what, and which effects the machine had then."""
 
@@ -74,13 +95,39 @@ class MachineMemory:
         self._present = set[int]()
         self.cogs, self._unsearched = 0, SEARCH_EVERY
         self._has_offset = False
+        self._recalled: tuple[MachineKnowledge, float] | None = None
         if motor.coulomb_friction > 0.0:
             self._present.add(EFFECTS.index("friction_voltage"))
+
+    def recollection(self) -> MachineRecollection | None:
+        """Return what is worth keeping; None before the first window has told anything."""
+        newest = self._told[-1] if self._told else self._known
+        if newest is None:
+            return None
+        present = frozenset(EFFECTS[effect] for effect in newest.present)
+        return MachineRecollection(newest.machine, present, self.cogs, self._has_offset)
+
+    def recall(self, kept: MachineRecollection, age: float) -> None:
+        """Begin with what was kept of the same machine.
+
+        Parameters
+        ----------
+        kept : MachineRecollection
+            What was kept.
+        age : float
+            Time since then [s], to the first window.
+        """
+        self._present |= {EFFECTS.index(name) for name in kept.present}
+        self.cogs, self._has_offset = kept.cogs, kept.has_offset
+        self._recalled = kept.machine, age
 
     def before(self, time: float) -> MachineKnowledge:
         """Return what is known from windows that ended before a time [s]."""
         while self._told and self._told[0].time < time:
             self._known = self._told.popleft()
+        if self._known is None and self._recalled is not None:
+            machine, age = self._recalled
+            self._known = _Told(time - age, machine, frozenset(self._present))
         known = first_knowledge(self._motor)
         if self._known is not None:
             aged = self._known.machine.aged(time - self._known.time)

@@ -20,7 +20,7 @@ from bdt_twin.fixed_order import COMPILED, standard_deviation
 from bdt_twin.forward_model import SMALLEST_TRAVEL
 from bdt_twin.gap_of_fit import gap_at, growth_at
 from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
-from bdt_twin.machine_memory import MachineMemory
+from bdt_twin.machine_memory import MachineMemory, MachineRecollection
 from bdt_twin.model_factors import FACTORS, check_room
 from bdt_twin.next_fit import AcceptedFit, next_fit
 from bdt_twin.output_error_settings import OutputErrorSettings
@@ -101,6 +101,7 @@ class OutputErrorEstimator:
         self._model, self._settings, self._rate = model, settings, sampling_rate
         self._period = settings.samples_per_update(sampling_rate)
         self._block = settings.samples_per_block(sampling_rate)
+        self._recalled: tuple[MachineRecollection, float] | None = None
         self._window = TelemetryWindow(sampling_rate, round(settings.window * sampling_rate))
         # Whatever is not in numba's cache is compiled now, not when the first batch waits.
         for compiled in (*LOOPS, *COMPILED):
@@ -110,6 +111,17 @@ class OutputErrorEstimator:
     def restart(self) -> None:
         """Forget everything: another run begins."""
         self._window.restart()
+        self._recalled = None
+        self._forget_fits()
+
+    @property
+    def recollection(self) -> MachineRecollection | None:
+        """What is worth keeping of the machine beyond the end of the program; None for nothing."""
+        return self._machine.recollection()
+
+    def recall(self, kept: MachineRecollection, age: float) -> None:
+        """Begin with what another estimator has kept of the same machine some time [s] ago."""
+        self._recalled = kept, age
         self._forget_fits()
 
     def _forget_fits(self) -> None:
@@ -117,6 +129,8 @@ class OutputErrorEstimator:
         self._predecessor: Predecessor | None = None
         self._contradicted, self._held = False, 0
         self._machine = MachineMemory(self._model.motor)
+        if self._recalled is not None:
+            self._machine.recall(*self._recalled)
 
     def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
         """Take the next batch.

@@ -66,6 +66,35 @@ class Reconfigurator:
         self._link.send(now, now, tolerance, voltage_offset, gains)
         return tolerance
 
+    @property
+    def in_force(self) -> Reconfiguration | None:
+        """What was delivered last; None for nothing."""
+        return self._link.in_force
+
+    def gains_in_force(self) -> dict[str, float]:
+        """Return the gains that were delivered last, by name; empty for none."""
+        in_force = self._link.in_force
+        return {} if in_force is None else dict(in_force.gains)
+
+    def resume(
+        self,
+        now: int,
+        tolerance: float,
+        voltage_offset: float | None = None,
+        gains: tuple[tuple[str, float], ...] = (),
+    ) -> None:
+        """Go on from what a twin before, or somebody else, has put in force.
+
+        Parameters
+        ----------
+        now : int
+            Time [ns].
+        tolerance, voltage_offset, gains
+            See :class:`bdt_twin.link.Reconfiguration`.
+        """
+        self._rule.resume(tolerance, now * 1e-9)
+        self._link.resume(tolerance, voltage_offset, gains)
+
     def send_again(self, now: int) -> bool:
         """Send what is in force at the time `now` [ns]; False if nothing is, or it gets lost."""
         return self._link.send_again(now) is not None

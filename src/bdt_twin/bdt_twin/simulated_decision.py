@@ -1,6 +1,7 @@
 """Dead zone and gains chosen by simulation instead of eq. 9."""
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -134,6 +135,11 @@ class SimulatedDecision:
         self._taken_back = 0
         self._why = ""
         self._trials = self._next_steps()
+
+    def resume(self, gains: Mapping[str, float]) -> None:
+        """Go on with the redesign, if these are its gains by the controller's names."""
+        if self._redesign is not None and dict(self._redesign.by_name()) == dict(gains):
+            self._gains, self._may_redesign = self._redesign, False
 
     def watch(self, rows: FloatArray) -> None:
         """Look whether the loop comes to rest as was expected.

@@ -28,6 +28,19 @@ class TwinSettings:
         minimum=0.01,
         maximum=1e4,
     )
+    state_file: str = quantity(
+        "",
+        "",
+        "file in which the twin keeps what is in force and what it knows, for the time after its "
+        "end; empty for none",
+    )
+    state_longest_age: float = quantity(
+        86400.0,
+        "s",
+        "wall time after which a state file is of no use any more",
+        minimum=0.0,
+        maximum=1e9,
+    )
 
     def __post_init__(self) -> None:
         validate(self)

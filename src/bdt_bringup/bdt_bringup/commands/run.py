@@ -42,6 +42,12 @@ def _add_arguments(parser: ArgumentParser) -> None:
         default="separate",
         help="one process for each node (default), or all nodes in one",
     )
+    parser.add_argument(
+        "--supervise",
+        action="store_true",
+        help="start nodes anew that died, save the plant: after 0.25 s, then twice as long each "
+        "time, 5 times within 60 s",
+    )
     parser.add_argument("--output", type=Path, metavar="DIR", help="new folder for bag and report")
     parser.add_argument("--no-bag", dest="bag", action="store_false", help="record nothing")
     if not missing_packages([RECORDER_NODE]):
@@ -65,12 +71,16 @@ def _run(options: Namespace) -> int:
         processes=options.processes,
         output=options.output,
         recorder=_recorder_parameters(options) if options.bag else None,
+        supervise=options.supervise,
     )
     try:
         factor = run_loop(plan)
     except KeyboardInterrupt:
         kept = f"; what was recorded is in {plan.bag}" if plan.record else ""
         return complain(f"interrupted{kept}", INTERRUPTED)
+    if len(plan.bags) > 1:
+        print(f"bags, as the recorder was started anew: {' '.join(map(str, plan.bags))}")
+        return 0
     if plan.record:
         return _report(plan.bag, plan.output, as_json=options.json)
     if options.json:
