@@ -38,5 +38,8 @@ setup(
             "config = bdt_bringup.commands.config:COMMAND",
             "run = bdt_bringup.commands.run:COMMAND",
         ],
+        "bdt.configurations": [
+            "bdt_bringup = bdt_bringup",
+        ],
     },
 )

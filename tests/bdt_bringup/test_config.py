@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from bdt_bringup.cli import run_command
-from bdt_bringup.configuration import packaged_configurations
+from bdt_msgs_py.configuration_files import packaged_configurations
 
 ROOT = Path(__file__).parents[2]
 

@@ -8,14 +8,10 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bdt_bringup.configuration import (
-    CONFIGURED_NODES,
-    find_configuration,
-    load_configuration,
-    packaged_configurations,
-)
+from bdt_bringup.configuration import CONFIGURED_NODES, load_configuration
 from bdt_bringup.installed import parameter_table
 from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.configuration_files import find_configuration, packaged_configurations
 from bdt_msgs_py.parameter_files import unused_files
 from bdt_msgs_py.parameter_tables import known_parameters
 from bdt_plant.actuator import ActuatorParameters
@@ -245,24 +241,11 @@ def test_the_packaged_configurations_are_those_of_the_folder_that_people_copy_fr
         assert path.read_bytes() == (CONFIG / path.name).read_bytes(), path
 
 
-def test_a_configuration_is_found_by_its_name_from_any_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert find_configuration("paper") == packaged_configurations()["paper"]
-    assert find_configuration(None) is None
-
-
 def test_a_file_comes_before_a_packaged_configuration_of_that_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "paper").write_text(parameters("plant", "duration: 1.0"))
     assert find_configuration("paper") == Path("paper")
     assert load_configuration(find_configuration("paper")).value("plant", "duration") == 1.0
-
-
-def test_a_name_that_is_neither_is_one_line_with_those_that_there_are():
-    with pytest.raises(BadInputError, match="must be one of fixed_dead_zone, laboratory, linear"):
-        find_configuration("papper")
-    with pytest.raises(BadInputError, match="did you mean paper"):
-        find_configuration("papper")
 
 
 def test_a_file_that_is_missing_is_called_a_file():

@@ -6,7 +6,6 @@ once, with the file's name in the message and no process to clean up.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from bdt_msgs_py.parameter_files import (
     is_for,
     read_sections,
 )
-from bdt_msgs_py.parameter_tables import known_parameters, parameter_sets, suggestion
+from bdt_msgs_py.parameter_tables import known_parameters, parameter_sets
 from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
 
 CONFIGURED_NODES = (PLANT_NODE, CONTROLLER_NODE, TWIN_NODE)
@@ -56,45 +55,6 @@ class Configuration:
         if parameter in self.values[node]:
             return self.values[node][parameter]
         return known_parameters(parameter_table(node))[parameter][0]
-
-
-def packaged_configurations() -> dict[str, Path]:
-    """Return the configurations that are installed with this package, by name."""
-    folder = Path(str(files("bdt_bringup") / "config"))
-    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
-
-
-def find_configuration(name: str | None) -> Path | None:
-    """Return the file of a configuration.
-
-    Parameters
-    ----------
-    name : str or None
-        A file, or the name of a packaged configuration; a file of that very name comes first.
-        None for the defaults.
-
-    Returns
-    -------
-    Path or None
-        The file, which may be missing; None for the defaults.
-
-    Raises
-    ------
-    BadInputError
-        For what is neither a file nor a packaged configuration.
-    """
-    if name is None:
-        return None
-    packaged = packaged_configurations()
-    path = Path(name)
-    if path.is_file() or (name not in packaged and (path.suffix or path.parent != Path())):
-        return path
-    if name not in packaged:
-        raise BadInputError(
-            f"--config {name}: is no file, and no packaged configuration: must be one of "
-            f"{', '.join(packaged)}{suggestion(name, packaged)}"
-        )
-    return packaged[name]
 
 
 def load_configuration(path: Path | None, namespace: str = "") -> Configuration:

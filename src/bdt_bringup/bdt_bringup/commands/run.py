@@ -53,9 +53,10 @@ def _add_arguments(parser: ArgumentParser) -> None:
 
 def _run(options: Namespace) -> int:
     # The list of commands needs neither rclpy nor a YAML parser.
-    from bdt_bringup.configuration import find_configuration, load_configuration  # noqa: PLC0415
+    from bdt_bringup.configuration import load_configuration  # noqa: PLC0415
     from bdt_bringup.run import run_loop  # noqa: PLC0415
     from bdt_bringup.run_plan import plan_run  # noqa: PLC0415
+    from bdt_msgs_py.configuration_files import find_configuration  # noqa: PLC0415
     from bdt_msgs_py.loop_namespace import full_namespace  # noqa: PLC0415
 
     plan = plan_run(
