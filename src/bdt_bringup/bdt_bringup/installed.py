@@ -23,6 +23,8 @@ PACKAGE_OF_COMMAND = {
     "reproduce": "bdt_study",
     "evaluate": "bdt_study",
     "bench": "bdt_study",
+    "hardware-check": "bdt_driver",
+    "drive-emulator": "bdt_drive_emulator",
 }
 """The project's own subcommands in the order of the help, with the packages that bring them."""
 
