@@ -12,11 +12,15 @@ SOURCES := src tests embedded_ros checks docs/make_figures.py docs/source/conf.p
 # Tests of one file share what they set up, so a file stays with one process.
 PARALLEL ?= --numprocesses auto --maxprocesses 4 --dist loadfile
 
-.PHONY: run test test-noble conformance stray-messages setup check docs figures dist dist-test version lock
+.PHONY: run hardware test test-noble conformance stray-messages setup check docs figures dist dist-test version lock
 
 # DURATION=40 runs 40 s of the scenario's 120.
 run: setup
 	$(BIN)/bdt run --config config/paper.yaml $(if $(DURATION),--duration $(DURATION))
+
+# A drive behind a pseudo-terminal: all points of `bdt hardware-check`, then a loop of a minute on it.
+hardware: setup
+	$(BIN)/python -m checks.emulated_hardware $(if $(DURATION),--duration $(DURATION))
 
 test: check $(VENV)/.docs-ready
 	$(BIN)/python -m pytest $(PARALLEL)

@@ -36,6 +36,9 @@ setup(
         "bdt.command": [
             "hardware-check = bdt_driver.commands.hardware_check:COMMAND",
         ],
+        "bdt.node": [
+            "driver = bdt_driver.driver_node:DriverNode",
+        ],
         "bdt.parameters": [
             "driver = bdt_driver.parameters:PARAMETERS",
         ],

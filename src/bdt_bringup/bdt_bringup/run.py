@@ -1,5 +1,6 @@
 """Runs the loop: starts the nodes, watches them, stops everything, in one or many processes."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import rclpy
@@ -9,10 +10,11 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from bdt_bringup.installed import node_class, node_module
+from bdt_bringup.installed import MACHINES, node_class, node_module
 from bdt_bringup.monitor import MonitorNode
 from bdt_bringup.node_process import NodeProcess, stop_all
 from bdt_bringup.progress_display import ProgressDisplay
+from bdt_bringup.real_machine import RealMachine
 from bdt_bringup.run_plan import RunPlan
 from bdt_msgs_py.command_errors import BAD_INPUT, BadInputError, LoopError
 from bdt_msgs_py.folder_sync import create_folder
@@ -82,11 +84,13 @@ def _refuse_second_loop(executor: SingleThreadedExecutor, monitor: MonitorNode) 
     # Discovery of what already runs on this machine takes a few hundredths of a second.
     executor.spin_until_future_complete(Future(), timeout_sec=3 * REFRESH)
     namespace = monitor.get_namespace()
-    if (PLANT_NODE, namespace) in monitor.get_node_names_and_namespaces():
-        raise BadInputError(
-            f"{namespace.rstrip('/')}/{PLANT_NODE} already runs in this ROS domain: stop it, or "
-            "choose another --namespace or ROS_DOMAIN_ID"
-        )
+    running = monitor.get_node_names_and_namespaces()
+    for machine in MACHINES:
+        if (machine, namespace) in running:
+            raise BadInputError(
+                f"{namespace.rstrip('/')}/{machine} already runs in this ROS domain: stop it, or "
+                "choose another --namespace or ROS_DOMAIN_ID"
+            )
 
 
 def _run_in_processes(
@@ -103,20 +107,53 @@ def _run_in_processes(
         for name in plan.nodes:
             log = logs / f"{name}.log"
             running += [NodeProcess(name, node_module(name), plan.ros_arguments(name), log)]
-        plant = running[-1]
-        while plant.exit_code is None:
-            executor.spin_once(timeout_sec=REFRESH)
-            display.show(monitor)
-            signals.check()
-            _raise_for_ended_node([process for process in running if process is not plant])
-        if plant.exit_code != 0:
-            _raise_for_ended_node(running)
+        if plan.is_real:
+            _follow_real_machine(plan, running, executor, monitor, display, signals)
+        else:
+            _follow_plant(running, executor, monitor, display, signals)
     finally:
         stop_all(running)
     _raise_for_ended_node([process for process in running if process.exit_code != 0])
 
 
-def _raise_for_ended_node(processes: list[NodeProcess]) -> None:
+def _follow_plant(
+    running: Sequence[NodeProcess],
+    executor: SingleThreadedExecutor,
+    monitor: MonitorNode,
+    display: ProgressDisplay,
+    signals: StopSignals,
+) -> None:
+    """Return when the plant has ended, which is last among the processes."""
+    *others, plant = running
+    while plant.exit_code is None:
+        executor.spin_once(timeout_sec=REFRESH)
+        display.show(monitor)
+        signals.check()
+        _raise_for_ended_node(others)
+    if plant.exit_code != 0:
+        _raise_for_ended_node(running)
+
+
+def _follow_real_machine(
+    plan: RunPlan,
+    running: Sequence[NodeProcess],
+    executor: SingleThreadedExecutor,
+    monitor: MonitorNode,
+    display: ProgressDisplay,
+    signals: StopSignals,
+) -> None:
+    """Return when the machine was armed for the duration of the run, and is disarmed."""
+    machine = RealMachine(monitor, plan.nodes)
+    while machine.simulated_time < plan.duration:
+        executor.spin_once(timeout_sec=REFRESH)
+        machine.look()
+        display.show(machine)
+        signals.check()
+        _raise_for_ended_node(running)
+    machine.disarm(executor)
+
+
+def _raise_for_ended_node(processes: Sequence[NodeProcess]) -> None:
     """Raise for a process that has ended, preferably one that a signal ended.
 
     A node that dies takes others along: the plant gives up when nobody answers.

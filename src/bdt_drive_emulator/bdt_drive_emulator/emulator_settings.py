@@ -19,7 +19,7 @@ class EmulatorSettings:
     clock_error: float = quantity(
         0.0,
         "",
-        "relative error of the device's clock: 0.001 samples 0.1 % too fast",
+        "relative error of the device's clock: 0.001 samples a thousandth too fast",
         minimum=-0.01,
         maximum=0.01,
     )

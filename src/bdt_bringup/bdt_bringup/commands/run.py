@@ -22,7 +22,7 @@ def _add_arguments(parser: ArgumentParser) -> None:
         "--config",
         metavar="NAME|FILE",
         help="configuration that comes with the package (paper, linear, fixed_dead_zone, "
-        "laboratory, workshop), or a ROS parameter file",
+        "laboratory, workshop, serial_drive), or a ROS parameter file",
     )
     parser.add_argument(
         "--namespace",
@@ -35,7 +35,12 @@ def _add_arguments(parser: ArgumentParser) -> None:
         choices=("lockstep", "realtime"),
         help="simulated time as fast as it goes, or at the pace of the wall clock",
     )
-    parser.add_argument("--duration", type=float, metavar="S", help="simulated time [s]")
+    parser.add_argument(
+        "--duration",
+        type=float,
+        metavar="S",
+        help="simulated time, or time for which a real machine is armed [s]",
+    )
     parser.add_argument(
         "--processes",
         choices=("separate", "single"),
@@ -106,7 +111,8 @@ def _report(bag: Path, output: Path, *, as_json: bool) -> int:
 
 COMMAND = Command(
     summary="start the nodes, record a bag, write a report",
-    description="Start plant, controller, twin and recorder, and analyze what they recorded.",
+    description="Start plant or driver, controller, twin and recorder, and analyze what they "
+    "recorded.",
     add_arguments=_add_arguments,
     run=_run,
 )
