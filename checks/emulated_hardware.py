@@ -18,6 +18,9 @@ from typing import Any
 BDT = (sys.executable, "-m", "bdt_bringup.program")
 CONFIGURATION = Path("config/serial_drive.yaml")
 PORT_IN_CONFIGURATION = "/dev/ttyUSB0"
+TIMEOUT_IN_CONFIGURATION = ": 0.1 "
+PATIENCE = ": 1.0 "
+"""A device has a clock of its own; this one waits whenever the computer is busy."""
 DRIVE = "bdt_drive_emulator.emulated_drive:EmulatedDrive"
 CHECKED = (
     "sampling_rate:=5000.0",
@@ -39,7 +42,9 @@ def main() -> None:
         port = Path(folder) / "port"
         machine = Path(folder) / "serial_drive.yaml"
         text = CONFIGURATION.read_text(encoding="utf-8")
-        machine.write_text(text.replace(PORT_IN_CONFIGURATION, str(port)), encoding="utf-8")
+        text = text.replace(PORT_IN_CONFIGURATION, str(port))
+        text = text.replace(TIMEOUT_IN_CONFIGURATION, PATIENCE)
+        machine.write_text(text, encoding="utf-8")
         begun = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
         output = Path("runs") / f"{begun}-hardware"
         try:

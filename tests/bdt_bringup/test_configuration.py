@@ -273,7 +273,7 @@ def test_a_driver_in_place_of_the_plant_has_parameters_that_only_its_class_knows
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        (parameters("driver", "{}") + parameters("plant", "{}"), "has plant and driver: a loop"),
+        (parameters("driver", "{}") + parameters("plant", "{}"), "choose it with --machine"),
         (parameters("driver", "{drve.port: x}"), "is not a parameter of this node"),
         (parameters("driver", "{control_rate: 0.1}"), "control_rate = 0.1 Hz: must be 1 to 10000"),
     ],
@@ -281,3 +281,14 @@ def test_a_driver_in_place_of_the_plant_has_parameters_that_only_its_class_knows
 def test_a_driver_is_checked_like_any_node(tmp_path, text, line):
     with pytest.raises(BadInputError, match=line):
         load_configuration(written(tmp_path, text))
+
+
+def test_of_a_file_with_two_machines_one_is_chosen(tmp_path):
+    text = parameters("driver", "{driver: 'my:Drive'}") + parameters("plant", "{duration: 3.0}")
+    path = written(tmp_path, text)
+    driven = load_configuration(path, machine="driver")
+    assert (driven.machine, driven.value("driver", "driver")) == ("driver", "my:Drive")
+    simulated = load_configuration(path, machine="plant")
+    assert (simulated.machine, simulated.value("plant", "duration")) == ("plant", 3.0)
+    with pytest.raises(BadInputError, match="--machine driver: needs a --config"):
+        load_configuration(None, machine="driver")

@@ -5,7 +5,13 @@ import json
 import pytest
 
 from bdt_serial_drive.serial_drive import SerialDrive
-from checks.emulated_hardware import CONFIGURATION, PORT_IN_CONFIGURATION, emulator, run_faults
+from checks.emulated_hardware import (
+    CONFIGURATION,
+    PORT_IN_CONFIGURATION,
+    TIMEOUT_IN_CONFIGURATION,
+    emulator,
+    run_faults,
+)
 
 
 def summary(folder, *, duration=60.0, unanswered=0):
@@ -51,5 +57,7 @@ def test_the_emulator_ends_when_what_needs_it_fails(tmp_path):
     assert not (tmp_path / "port").is_symlink()
 
 
-def test_the_port_stands_in_the_configuration():
-    assert PORT_IN_CONFIGURATION in CONFIGURATION.read_text(encoding="utf-8")
+def test_what_is_replaced_stands_in_the_configuration():
+    text = CONFIGURATION.read_text(encoding="utf-8")
+    assert text.count(PORT_IN_CONFIGURATION) == 1
+    assert text.count(TIMEOUT_IN_CONFIGURATION) == 2

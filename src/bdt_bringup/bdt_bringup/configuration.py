@@ -66,7 +66,9 @@ class Configuration:
         return known_parameters(parameter_table(node))[parameter][0]
 
 
-def load_configuration(path: Path | None, namespace: str = "") -> Configuration:
+def load_configuration(
+    path: Path | None, namespace: str = "", machine: str | None = None
+) -> Configuration:
     """Read and check a ROS parameter file.
 
     Parameters
@@ -76,6 +78,9 @@ def load_configuration(path: Path | None, namespace: str = "") -> Configuration:
     namespace : str
         Namespace of the nodes, for example ``/left``; sections for nodes elsewhere are checked,
         but their values are not used.
+    machine : str, optional
+        ``plant`` or ``driver``, which a file that has sections for both needs; the section of the
+        other one is left out.
 
     Raises
     ------
@@ -83,9 +88,13 @@ def load_configuration(path: Path | None, namespace: str = "") -> Configuration:
         With one line that names the file, the key, the value and what is allowed.
     """
     if path is None:
+        if machine == DRIVER_NODE:
+            raise BadInputError("--machine driver: needs a --config with the driver's parameters")
         return Configuration(None, {node: {} for node in CONFIGURED_NODES}, namespace=namespace)
     sections = _sections(path)
-    machine = _machine_of(sections, path)
+    machine = machine or _machine_of(sections, path)
+    left_out = set(MACHINES) - {machine}
+    sections = {name: given for name, given in sections.items() if _last(name) not in left_out}
     nodes = _nodes_with(machine)
     values: dict[str, dict[str, Any]] = {node: {} for node in nodes}
     configured = _configured(sections, namespace, path, nodes)
@@ -109,10 +118,12 @@ def load_configuration(path: Path | None, namespace: str = "") -> Configuration:
 
 
 def _machine_of(sections: Iterable[str], path: Path) -> str:
-    """Return the machine that a file is about; refuse one that is about two."""
+    """Return the machine that a file is about."""
     named = [node for node in MACHINES if any(_last(section) == node for section in sections)]
     if len(named) > 1:
-        raise BadInputError(f"{path}: has {' and '.join(named)}: a loop has one of them")
+        raise BadInputError(
+            f"{path}: has {' and '.join(named)}: a loop has one of them, choose it with --machine"
+        )
     return named[0] if named else PLANT_NODE
 
 

@@ -31,6 +31,11 @@ def _add_arguments(parser: ArgumentParser) -> None:
         "one ROS domain",
     )
     parser.add_argument(
+        "--machine",
+        choices=("plant", "driver"),
+        help="which one, for a configuration that has a simulated machine and a real one",
+    )
+    parser.add_argument(
         "--mode",
         choices=("lockstep", "realtime"),
         help="simulated time as fast as it goes, or at the pace of the wall clock",
@@ -65,7 +70,11 @@ def _run(options: Namespace) -> int:
     from bdt_msgs_py.loop_namespace import full_namespace  # noqa: PLC0415
 
     plan = plan_run(
-        load_configuration(find_configuration(options.config), full_namespace(options.namespace)),
+        load_configuration(
+            find_configuration(options.config),
+            full_namespace(options.namespace),
+            options.machine,
+        ),
         mode=options.mode,
         duration=options.duration,
         processes=options.processes,
