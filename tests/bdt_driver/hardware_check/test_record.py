@@ -47,3 +47,9 @@ def test_calls_last_and_the_platform_moves():
     told = record([0.001, 0.002, 0.004])
     assert told.call_times == pytest.approx([0.001] * 3)
     assert told.change == pytest.approx(0.003)
+
+
+def test_records_are_joined_in_their_order():
+    joined = record([0.001, 0.002]) + record([0.003])
+    assert joined.positions.tolist() == [0.001, 0.002, 0.003]
+    assert len(joined.began) == len(joined.ended) == 3

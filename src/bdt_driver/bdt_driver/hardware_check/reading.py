@@ -103,7 +103,7 @@ def _tells_newest(stand: DriveStand) -> str:
 
 
 def _samples_at_rate(stand: DriveStand) -> str:
-    rate = _found_rate(stand)
+    rate = found_rate(stand)
     stated = stand.settings.sampling_rate
     text = f"{rate:.1f} Hz, {rate / stated - 1.0:+.2%}"
     require(abs(rate / stated - 1.0) <= LARGEST_DRIFT, f"{text}; must be within 0.5 %")
@@ -111,7 +111,7 @@ def _samples_at_rate(stand: DriveStand) -> str:
 
 
 def _samples_without_steps(stand: DriveStand) -> str:
-    rate = _found_rate(stand)
+    rate = found_rate(stand)
     record = stand.at_rest
     ahead = record.passed_samples / rate - (np.array(record.ended) - record.began[0])
     step = float(np.ptp(ahead))
@@ -127,8 +127,14 @@ def _loses_nothing(stand: DriveStand) -> str:
     return f"none of {stand.at_rest.passed_samples[-1]:.0f}"
 
 
-def _found_rate(stand: DriveStand) -> float:
-    """Return the rate of the samples [Hz], blind to a single step of their clock."""
+def found_rate(stand: DriveStand) -> float:
+    """Return the rate of the samples at rest [Hz], blind to a single step of their clock.
+
+    Raises
+    ------
+    CheckSkippedError
+        If the drive has no samples.
+    """
     _needs_samples(stand)
     record = stand.at_rest
     lag = max(len(record.readings) // 4, 1)

@@ -27,6 +27,11 @@ class Record:
     ended: list[float] = field(default_factory=list)
     readings: list[Reading] = field(default_factory=list)
 
+    def __add__(self, other: "Record") -> "Record":
+        return Record(
+            self.began + other.began, self.ended + other.ended, self.readings + other.readings
+        )
+
     @property
     def positions(self) -> FloatArray:
         """Position of each reading [m], shape (n,)."""
