@@ -6,17 +6,21 @@ PYTHON ?= $(shell for p in python3.12 python3.11 python3; do \
 	&& echo $$p && break; done)
 VENV := .venv
 BIN := $(VENV)/bin
-PACKAGES := $(addprefix src/,bdt_msgs_py bdt_plant bdt_controller bdt_driver bdt_twin bdt_bags bdt_analysis bdt_study bdt_bringup)
+PACKAGES := $(addprefix src/,bdt_msgs_py bdt_plant bdt_controller bdt_driver bdt_serial_drive bdt_drive_emulator bdt_twin bdt_bags bdt_analysis bdt_study bdt_bringup)
 SOURCES := src tests embedded_ros checks docs/make_figures.py docs/source/conf.py docs/source/extensions
 
 # Tests of one file share what they set up, so a file stays with one process.
 PARALLEL ?= --numprocesses auto --maxprocesses 4 --dist loadfile
 
-.PHONY: run test test-noble conformance stray-messages setup check docs figures dist dist-test version lock
+.PHONY: run hardware test test-noble conformance stray-messages setup check docs figures dist dist-test version lock
 
 # DURATION=40 runs 40 s of the scenario's 120.
 run: setup
 	$(BIN)/bdt run --config config/paper.yaml $(if $(DURATION),--duration $(DURATION))
+
+# A drive behind a pseudo-terminal: all points of `bdt hardware-check`, then a loop of a minute on it.
+hardware: setup
+	$(BIN)/python -m checks.emulated_hardware $(if $(DURATION),--duration $(DURATION))
 
 test: check $(VENV)/.docs-ready
 	$(BIN)/python -m pytest $(PARALLEL)

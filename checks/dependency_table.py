@@ -36,6 +36,7 @@ PROVIDERS = {
     "rosbags": Provider("rosbags", _ROSBAGS),
     "ruamel": Provider("ruamel.yaml", "python3-ruamel.yaml"),
     "scipy": Provider("scipy", "python3-scipy"),
+    "serial": Provider("pyserial", "python3-serial"),
     "yaml": Provider("pyyaml", "python3-yaml"),
     # No keys of their own: rosbags requires the first three, mcap the last one, and pip installs
     # mcap with the one key that needs it.

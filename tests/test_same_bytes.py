@@ -15,11 +15,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bdt_bringup.configuration import find_configuration, load_configuration
+from bdt_bringup.configuration import load_configuration
 from bdt_controller.controller import ControllerSettings
 from bdt_controller.parameters import PARAMETERS as CONTROLLER
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile
+from bdt_msgs_py.configuration_files import find_configuration
 from bdt_msgs_py.parameter_tables import parameter_sets
 from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile

@@ -39,5 +39,8 @@ setup(
             "run = bdt_bringup.commands.run:COMMAND",
             "status = bdt_bringup.commands.status:COMMAND",
         ],
+        "bdt.configurations": [
+            "bdt_bringup = bdt_bringup",
+        ],
     },
 )

@@ -26,11 +26,18 @@ setup(
     install_requires=[
         "bdt_msgs_py",
         "numpy",
+        "pyyaml",
     ],
     zip_safe=False,
     entry_points={
         "console_scripts": [
             "driver_node = bdt_driver.driver_node:main",
+        ],
+        "bdt.command": [
+            "hardware-check = bdt_driver.commands.hardware_check:COMMAND",
+        ],
+        "bdt.node": [
+            "driver = bdt_driver.driver_node:DriverNode",
         ],
         "bdt.parameters": [
             "driver = bdt_driver.parameters:PARAMETERS",

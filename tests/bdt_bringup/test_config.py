@@ -7,18 +7,26 @@ from pathlib import Path
 import pytest
 
 from bdt_bringup.cli import run_command
-from bdt_bringup.configuration import packaged_configurations
+from bdt_msgs_py.configuration_files import packaged_configurations
 
 ROOT = Path(__file__).parents[2]
 
-SHIPPED = ["paper", "linear", "fixed_dead_zone", "laboratory", "simulated", "workshop"]
+SHIPPED = [
+    "paper",
+    "linear",
+    "fixed_dead_zone",
+    "laboratory",
+    "simulated",
+    "workshop",
+    "serial_drive",
+]
 
 
 def test_without_a_name_the_configurations_are_listed_with_what_they_are(capsys):
     assert run_command(["config"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(packaged_configurations())
-    assert lines[-3] == (
+    assert lines[list(packaged_configurations()).index("paper")] == (
         "paper            Figure 7 of the paper: the twin estimates the growing gap and "
         "reconfigures the dead zone."
     )

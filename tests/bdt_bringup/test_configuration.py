@@ -8,14 +8,10 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bdt_bringup.configuration import (
-    CONFIGURED_NODES,
-    find_configuration,
-    load_configuration,
-    packaged_configurations,
-)
+from bdt_bringup.configuration import CONFIGURED_NODES, load_configuration
 from bdt_bringup.installed import parameter_table
 from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.configuration_files import find_configuration, packaged_configurations
 from bdt_msgs_py.parameter_files import unused_files
 from bdt_msgs_py.parameter_tables import known_parameters
 from bdt_plant.actuator import ActuatorParameters
@@ -23,7 +19,15 @@ from bdt_plant.sensor import SensorParameters
 from bdt_study.design.tuned_gains import TUNED_GAINS
 from bdt_study.evaluation.trial import MARGIN
 
-SHIPPED = ["paper", "linear", "fixed_dead_zone", "laboratory", "simulated", "workshop"]
+SHIPPED = [
+    "paper",
+    "linear",
+    "fixed_dead_zone",
+    "laboratory",
+    "simulated",
+    "workshop",
+    "serial_drive",
+]
 CONFIG = Path(__file__).parents[2] / "config"
 
 
@@ -41,7 +45,8 @@ def parameters(node, text):
 def test_the_shipped_configurations_are_valid(name):
     configuration = load_configuration(CONFIG / f"{name}.yaml")
     assert configuration.name == name
-    assert configuration.value("plant", "duration") == 120.0
+    if configuration.machine == "plant":
+        assert configuration.value("plant", "duration") == 120.0
 
 
 def test_the_configurations_differ_in_the_dead_zone_and_in_reconfiguration_alone():
@@ -150,9 +155,9 @@ def test_nested_and_dotted_names_wildcards_and_namespaces_are_the_same_parameter
 def test_the_shipped_configurations_are_for_the_nodes_in_any_namespace(name, namespace):
     path = CONFIG / f"{name}.yaml"
     configuration = load_configuration(path, namespace)
-    assert configuration.configured == set(CONFIGURED_NODES)
+    assert configuration.configured == {configuration.machine, "controller", "twin"}
     assert configuration.values == load_configuration(path).values
-    for node in CONFIGURED_NODES:
+    for node in configuration.configured:
         assert unused_files(["--ros-args", "--params-file", str(path)], f"{namespace}/{node}") == []
 
 
@@ -245,12 +250,6 @@ def test_the_packaged_configurations_are_those_of_the_folder_that_people_copy_fr
         assert path.read_bytes() == (CONFIG / path.name).read_bytes(), path
 
 
-def test_a_configuration_is_found_by_its_name_from_any_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert find_configuration("paper") == packaged_configurations()["paper"]
-    assert find_configuration(None) is None
-
-
 def test_a_file_comes_before_a_packaged_configuration_of_that_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "paper").write_text(parameters("plant", "duration: 1.0"))
@@ -258,13 +257,38 @@ def test_a_file_comes_before_a_packaged_configuration_of_that_name(tmp_path, mon
     assert load_configuration(find_configuration("paper")).value("plant", "duration") == 1.0
 
 
-def test_a_name_that_is_neither_is_one_line_with_those_that_there_are():
-    with pytest.raises(BadInputError, match="must be one of fixed_dead_zone, laboratory, linear"):
-        find_configuration("papper")
-    with pytest.raises(BadInputError, match="did you mean paper"):
-        find_configuration("papper")
-
-
 def test_a_file_that_is_missing_is_called_a_file():
     with pytest.raises(BadInputError, match=r"configuration no/paper\.yaml: cannot be read"):
         load_configuration(find_configuration("no/paper.yaml"))
+
+
+def test_a_driver_in_place_of_the_plant_has_parameters_that_only_its_class_knows(tmp_path):
+    text = parameters("driver", "{driver: 'my:Drive', drive: {port: x, gain: 2}}")
+    configuration = load_configuration(written(tmp_path, text))
+    assert configuration.machine == "driver"
+    assert configuration.value("driver", "drive.port") == "x"
+    assert configuration.value("driver", "control_rate") == 500.0
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (parameters("driver", "{}") + parameters("plant", "{}"), "choose it with --machine"),
+        (parameters("driver", "{drve.port: x}"), "is not a parameter of this node"),
+        (parameters("driver", "{control_rate: 0.1}"), "control_rate = 0.1 Hz: must be 1 to 10000"),
+    ],
+)
+def test_a_driver_is_checked_like_any_node(tmp_path, text, line):
+    with pytest.raises(BadInputError, match=line):
+        load_configuration(written(tmp_path, text))
+
+
+def test_of_a_file_with_two_machines_one_is_chosen(tmp_path):
+    text = parameters("driver", "{driver: 'my:Drive'}") + parameters("plant", "{duration: 3.0}")
+    path = written(tmp_path, text)
+    driven = load_configuration(path, machine="driver")
+    assert (driven.machine, driven.value("driver", "driver")) == ("driver", "my:Drive")
+    simulated = load_configuration(path, machine="plant")
+    assert (simulated.machine, simulated.value("plant", "duration")) == ("plant", 3.0)
+    with pytest.raises(BadInputError, match="--machine driver: needs a --config"):
+        load_configuration(None, machine="driver")

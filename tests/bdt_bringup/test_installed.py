@@ -56,8 +56,8 @@ def test_the_packages_bring_the_nodes_of_the_loop():
     assert declared(NODE_GROUP) == PACKAGE_OF_NODE
 
 
-def test_they_bring_parameters_of_those_and_of_the_driver_which_is_started_by_hand():
-    assert declared(PARAMETER_GROUP) == PACKAGE_OF_NODE | {"driver": "bdt_driver"}
+def test_they_bring_the_parameters_of_those():
+    assert declared(PARAMETER_GROUP) == PACKAGE_OF_NODE
 
 
 def test_commands_are_listed_in_the_order_of_their_use():

@@ -80,3 +80,25 @@ def test_a_folder_that_holds_something_is_refused_and_an_empty_one_is_not(tmp_pa
     file.touch()
     with pytest.raises(BadInputError, match="already holds a run"):
         plan(output=file)
+
+
+def test_a_real_machine_takes_the_place_of_the_plant_and_lives_in_wall_time(tmp_path):
+    recorded = plan(config=CONFIG / "serial_drive.yaml", output=tmp_path / "run")
+    assert (recorded.machine, recorded.is_real, recorded.mode) == ("driver", True, "realtime")
+    assert recorded.nodes == ["controller", "twin", "recorder", "driver"]
+    for node in ("controller", "twin"):
+        assert "use_sim_time:=false" in recorded.ros_arguments(node)
+    assert recorded.ros_arguments("driver")[-2] == "--params-file"
+    assert plan(config=CONFIG / "paper.yaml").nodes[-1] == "plant"
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"mode": "lockstep"}, "--mode lockstep: a real machine does not wait"),
+        ({"processes": "single"}, "--processes single: a real machine's driver"),
+    ],
+)
+def test_a_real_machine_does_not_wait_and_has_a_process_of_its_own(changes, line):
+    with pytest.raises(BadInputError, match=line):
+        plan(config=CONFIG / "serial_drive.yaml", **changes)

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.skipif(
     find_spec("embedded_ros") is None, reason="beside a ROS 2, rosdep chooses what is installed"
 )
 
-ROBOT = ("bdt_msgs_py", "bdt_controller", "bdt_driver", "bdt_bringup")
+ROBOT = ("bdt_msgs_py", "bdt_controller", "bdt_driver", "bdt_serial_drive", "bdt_bringup")
 TWIN = ("bdt_msgs_py", "bdt_plant", "bdt_controller", "bdt_twin")
 
 NOT_FOR_A_ROBOT = ("control", "jinja2", "matplotlib", "mcap", "numba", "plotly", "rich", "scipy")
@@ -69,7 +69,7 @@ def succeeded(done):
 @pytest.mark.parametrize(
     ("packages", "others"),
     [
-        (ROBOT, {"numpy", "pyyaml"}),
+        (ROBOT, {"numpy", "pyserial", "pyyaml"}),
         (TWIN, {"numpy", "numba", "llvmlite", "pyyaml"}),
     ],
 )
@@ -122,7 +122,7 @@ def test_the_twin_starts(ros, twin):
 def test_a_robot_s_bdt_lists_what_is_there(robot):
     said = succeeded(robot.run("bdt", "--help"))
     # The name of a command is indented by four blanks, what wraps of its description by more.
-    assert re.findall(r"^ {4}(\w+)", said, re.MULTILINE) == ["run", "config"]
+    assert re.findall(r"^ {4}([\w-]+)", said, re.MULTILINE) == ["run", "config", "hardware-check"]
 
 
 def test_a_robot_s_bdt_says_which_package_has_the_others(robot):

@@ -12,6 +12,8 @@ PACKAGES = (
     "bdt_plant",
     "bdt_controller",
     "bdt_driver",
+    "bdt_serial_drive",
+    "bdt_drive_emulator",
     "bdt_twin",
     "bdt_bags",
     "bdt_analysis",

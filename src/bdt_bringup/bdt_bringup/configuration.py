@@ -4,13 +4,12 @@ A node started with ``ros2 run`` checks its own parameters; here all nodes of a 
 once, with the file's name in the message and no process to clean up.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from bdt_bringup.installed import parameter_table
+from bdt_bringup.installed import MACHINES, parameter_table
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.parameter_files import (
     PARAMETERS_KEY,
@@ -18,11 +17,17 @@ from bdt_msgs_py.parameter_files import (
     is_for,
     read_sections,
 )
-from bdt_msgs_py.parameter_tables import known_parameters, parameter_sets, suggestion
-from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
+from bdt_msgs_py.parameter_tables import known_parameters, parameter_sets
+from bdt_msgs_py.topics import CONTROLLER_NODE, DRIVER_NODE, PLANT_NODE, TWIN_NODE
 
 CONFIGURED_NODES = (PLANT_NODE, CONTROLLER_NODE, TWIN_NODE)
-"""Nodes whose parameters a configuration sets; the recorder's are options of ``bdt run``."""
+"""Nodes whose parameters a configuration sets; the recorder's are options of ``bdt run``.
+
+In a configuration of a real machine the driver stands in place of the plant.
+"""
+
+FREE_PREFIXES = {DRIVER_NODE: "drive."}
+"""Beginning of the names of parameters that only somebody's own code knows, by node."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +44,15 @@ class Configuration:
         Nodes for which the file has a section.
     namespace : str
         Namespace of the nodes, for example ``/left``; "" for that of the root.
+    machine : str
+        The machine of the loop: ``driver`` where the file has a section for it, else ``plant``.
     """
 
     path: Path | None
     values: dict[str, dict[str, Any]]
     configured: frozenset[str] = frozenset()
     namespace: str = ""
+    machine: str = PLANT_NODE
 
     @property
     def name(self) -> str:
@@ -58,46 +66,9 @@ class Configuration:
         return known_parameters(parameter_table(node))[parameter][0]
 
 
-def packaged_configurations() -> dict[str, Path]:
-    """Return the configurations that are installed with this package, by name."""
-    folder = Path(str(files("bdt_bringup") / "config"))
-    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
-
-
-def find_configuration(name: str | None) -> Path | None:
-    """Return the file of a configuration.
-
-    Parameters
-    ----------
-    name : str or None
-        A file, or the name of a packaged configuration; a file of that very name comes first.
-        None for the defaults.
-
-    Returns
-    -------
-    Path or None
-        The file, which may be missing; None for the defaults.
-
-    Raises
-    ------
-    BadInputError
-        For what is neither a file nor a packaged configuration.
-    """
-    if name is None:
-        return None
-    packaged = packaged_configurations()
-    path = Path(name)
-    if path.is_file() or (name not in packaged and (path.suffix or path.parent != Path())):
-        return path
-    if name not in packaged:
-        raise BadInputError(
-            f"--config {name}: is no file, and no packaged configuration: must be one of "
-            f"{', '.join(packaged)}{suggestion(name, packaged)}"
-        )
-    return packaged[name]
-
-
-def load_configuration(path: Path | None, namespace: str = "") -> Configuration:
+def load_configuration(
+    path: Path | None, namespace: str = "", machine: str | None = None
+) -> Configuration:
     """Read and check a ROS parameter file.
 
     Parameters
@@ -107,28 +78,38 @@ def load_configuration(path: Path | None, namespace: str = "") -> Configuration:
     namespace : str
         Namespace of the nodes, for example ``/left``; sections for nodes elsewhere are checked,
         but their values are not used.
+    machine : str, optional
+        ``plant`` or ``driver``, which a file that has sections for both needs; the section of the
+        other one is left out.
 
     Raises
     ------
     BadInputError
         With one line that names the file, the key, the value and what is allowed.
     """
-    values: dict[str, dict[str, Any]] = {node: {} for node in CONFIGURED_NODES}
     if path is None:
-        return Configuration(None, values, namespace=namespace)
+        if machine == DRIVER_NODE:
+            raise BadInputError("--machine driver: needs a --config with the driver's parameters")
+        return Configuration(None, {node: {} for node in CONFIGURED_NODES}, namespace=namespace)
     sections = _sections(path)
-    configured = _configured(sections, namespace, path)
+    machine = machine or _machine_of(sections, path)
+    left_out = set(MACHINES) - {machine}
+    sections = {name: given for name, given in sections.items() if _last(name) not in left_out}
+    nodes = _nodes_with(machine)
+    values: dict[str, dict[str, Any]] = {node: {} for node in nodes}
+    configured = _configured(sections, namespace, path, nodes)
     for section, parameters in sections.items():
-        for node in _nodes_of(section, path):
+        for node in _nodes_of(section, path, nodes):
             used = values[node] if is_for(section, f"{namespace}/{node}") else {}
             used |= checked_parameters(
                 f"{path}: {section}",
                 parameters,
                 parameter_table(node),
                 for_all=section.endswith("*"),
+                free_prefix=FREE_PREFIXES.get(node),
             )
-    configuration = Configuration(path, values, configured, namespace)
-    for node in CONFIGURED_NODES:
+    configuration = Configuration(path, values, configured, namespace, machine)
+    for node in nodes:
         try:
             parameter_sets(parameter_table(node), configuration.values[node])
         except ValueError as error:
@@ -136,12 +117,28 @@ def load_configuration(path: Path | None, namespace: str = "") -> Configuration:
     return configuration
 
 
-def _configured(sections: Iterable[str], namespace: str, path: Path) -> frozenset[str]:
+def _machine_of(sections: Iterable[str], path: Path) -> str:
+    """Return the machine that a file is about."""
+    named = [node for node in MACHINES if any(_last(section) == node for section in sections)]
+    if len(named) > 1:
+        raise BadInputError(
+            f"{path}: has {' and '.join(named)}: a loop has one of them, choose it with --machine"
+        )
+    return named[0] if named else PLANT_NODE
+
+
+def _nodes_with(machine: str) -> tuple[str, ...]:
+    return tuple(machine if node == PLANT_NODE else node for node in CONFIGURED_NODES)
+
+
+def _configured(
+    sections: Iterable[str], namespace: str, path: Path, nodes: Sequence[str]
+) -> frozenset[str]:
     """Return the nodes for which there is a section; refuse sections for others of their names."""
     found = set()
-    for node in CONFIGURED_NODES:
+    for node in nodes:
         full_name = f"{namespace}/{node}"
-        named = [section for section in sections if node in _nodes_of(section, path)]
+        named = [section for section in sections if node in _nodes_of(section, path, nodes)]
         if any(is_for(section, full_name) for section in named):
             found.add(node)
         elif named:
@@ -161,12 +158,18 @@ def _sections(path: Path) -> dict[str, dict[str, Any]]:
     return sections
 
 
-def _nodes_of(section: str, path: Path) -> list[str]:
-    name = section.rsplit("/", 1)[-1]
-    if name in CONFIGURED_NODES:
+def _nodes_of(section: str, path: Path, nodes: Sequence[str]) -> list[str]:
+    name = _last(section)
+    if name in nodes:
         return [name]
     if name in ("*", "**"):
-        return list(CONFIGURED_NODES)
+        return list(nodes)
     raise BadInputError(
-        f"{path}: {section}: is not a node, must be one of {', '.join(CONFIGURED_NODES)}"
+        f"{path}: {section}: is not a node, must be one of "
+        f"{', '.join((*CONFIGURED_NODES, DRIVER_NODE))}"
     )
+
+
+def _last(section: str) -> str:
+    """Return the last part of a section's name: a node, or a pattern."""
+    return section.rsplit("/", 1)[-1]

@@ -8,7 +8,13 @@ from typing import Any
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.commands import COMMAND_GROUP, NODE_GROUP, PARAMETER_GROUP, Command
 from bdt_msgs_py.parameter_tables import ParameterTable
-from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, RECORDER_NODE, TWIN_NODE
+from bdt_msgs_py.topics import (
+    CONTROLLER_NODE,
+    DRIVER_NODE,
+    PLANT_NODE,
+    RECORDER_NODE,
+    TWIN_NODE,
+)
 
 PACKAGE_OF_COMMAND = {
     "run": "bdt_bringup",
@@ -24,6 +30,8 @@ PACKAGE_OF_COMMAND = {
     "reproduce": "bdt_study",
     "evaluate": "bdt_study",
     "bench": "bdt_study",
+    "hardware-check": "bdt_driver",
+    "drive-emulator": "bdt_drive_emulator",
 }
 """The project's own subcommands in the order of the help, with the packages that bring them."""
 
@@ -32,8 +40,12 @@ PACKAGE_OF_NODE = {
     TWIN_NODE: "bdt_twin",
     RECORDER_NODE: "bdt_bags",
     PLANT_NODE: "bdt_plant",
+    DRIVER_NODE: "bdt_driver",
 }
-"""The nodes of the loop in the order of their start; the plant, which drives them, is last."""
+"""The nodes of a loop in the order of their start; the machine, plant or driver, is last."""
+
+MACHINES = (PLANT_NODE, DRIVER_NODE)
+"""Nodes of which a loop has one: the simulated machine, or the driver of a real one."""
 
 
 def installed_commands() -> dict[str, Command]:

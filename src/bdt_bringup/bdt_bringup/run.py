@@ -9,11 +9,12 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from bdt_bringup.installed import node_class
+from bdt_bringup.installed import MACHINES, node_class
 from bdt_bringup.monitor import MonitorNode
 from bdt_bringup.progress_display import ProgressDisplay
+from bdt_bringup.real_machine import RealMachine
 from bdt_bringup.run_plan import RunPlan
-from bdt_bringup.supervisor import Supervisor
+from bdt_bringup.supervisor import Supervisor, raise_for_ended_node
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.folder_sync import create_folder
 from bdt_msgs_py.loop_namespace import namespace_arguments
@@ -83,11 +84,13 @@ def _refuse_second_loop(executor: SingleThreadedExecutor, monitor: MonitorNode) 
     # Discovery of what already runs on this machine takes a few hundredths of a second.
     executor.spin_until_future_complete(Future(), timeout_sec=3 * REFRESH)
     namespace = monitor.get_namespace()
-    if (PLANT_NODE, namespace) in monitor.get_node_names_and_namespaces():
-        raise BadInputError(
-            f"{namespace.rstrip('/')}/{PLANT_NODE} already runs in this ROS domain: stop it, or "
-            "choose another --namespace or ROS_DOMAIN_ID"
-        )
+    running = monitor.get_node_names_and_namespaces()
+    for machine in MACHINES:
+        if (machine, namespace) in running:
+            raise BadInputError(
+                f"{namespace.rstrip('/')}/{machine} already runs in this ROS domain: stop it, or "
+                "choose another --namespace or ROS_DOMAIN_ID"
+            )
 
 
 def _run_in_processes(
@@ -100,16 +103,51 @@ def _run_in_processes(
     supervisor = Supervisor(plan)
     try:
         supervisor.start_all()
-        while supervisor.plant.exit_code is None:
-            executor.spin_once(timeout_sec=REFRESH)
-            display.show(monitor)
-            signals.check()
-            supervisor.look()
-        if supervisor.plant.exit_code != 0:
-            supervisor.raise_for_failures()
+        if plan.is_real:
+            _follow_real_machine(plan, supervisor, executor, monitor, display, signals)
+        else:
+            _follow_plant(supervisor, executor, monitor, display, signals)
     finally:
         supervisor.stop()
     supervisor.raise_for_failures()
+
+
+def _follow_plant(
+    supervisor: Supervisor,
+    executor: SingleThreadedExecutor,
+    monitor: MonitorNode,
+    display: ProgressDisplay,
+    signals: StopSignals,
+) -> None:
+    """Return when the plant has ended."""
+    while supervisor.machine.exit_code is None:
+        executor.spin_once(timeout_sec=REFRESH)
+        display.show(monitor)
+        signals.check()
+        supervisor.look()
+    if supervisor.machine.exit_code != 0:
+        supervisor.raise_for_failures()
+
+
+def _follow_real_machine(
+    plan: RunPlan,
+    supervisor: Supervisor,
+    executor: SingleThreadedExecutor,
+    monitor: MonitorNode,
+    display: ProgressDisplay,
+    signals: StopSignals,
+) -> None:
+    """Return when the machine was armed for the duration of the run, and is disarmed."""
+    machine = RealMachine(monitor, plan.nodes)
+    while machine.simulated_time < plan.duration:
+        executor.spin_once(timeout_sec=REFRESH)
+        machine.look()
+        display.show(machine)
+        signals.check()
+        supervisor.look()
+        if supervisor.machine.exit_code is not None:
+            raise_for_ended_node([supervisor.machine])
+    machine.disarm(executor)
 
 
 def _run_in_this_process(

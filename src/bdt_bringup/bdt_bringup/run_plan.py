@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from bdt_bringup.configuration import Configuration
-from bdt_bringup.installed import PACKAGE_OF_NODE, missing_packages
+from bdt_bringup.installed import MACHINES, PACKAGE_OF_NODE, missing_packages
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.loop_namespace import namespace_arguments
 from bdt_msgs_py.parameter_tables import ros_arguments
-from bdt_msgs_py.topics import PLANT_NODE, RECORDER_NODE, TWIN_NODE
+from bdt_msgs_py.topics import DRIVER_NODE, PLANT_NODE, RECORDER_NODE, TWIN_NODE
 
 DEFAULT_DURATION = 120.0
 """Simulated time of the paper's scenario [s], for a configuration that sets none."""
@@ -26,9 +26,9 @@ class RunPlan:
     configuration : Configuration
         The parameter file.
     mode : str
-        ``lockstep`` or ``realtime``.
+        ``lockstep`` or ``realtime``; that of a real machine is the latter.
     duration : float
-        Simulated time [s].
+        Simulated time, or the time for which a real machine is armed [s].
     processes : str
         ``separate`` or ``single``.
     output : Path
@@ -66,7 +66,19 @@ class RunPlan:
     @property
     def nodes(self) -> list[str]:
         """Names of the nodes in the order of their start."""
-        return [name for name in PACKAGE_OF_NODE if self.record or name != RECORDER_NODE]
+        others = set(MACHINES) - {self.machine}
+        left_out = others if self.record else others | {RECORDER_NODE}
+        return [name for name in PACKAGE_OF_NODE if name not in left_out]
+
+    @property
+    def machine(self) -> str:
+        """Name of the node that is the machine: ``plant`` or ``driver``."""
+        return self.configuration.machine
+
+    @property
+    def is_real(self) -> bool:
+        """Whether the machine is a real one."""
+        return self.machine == DRIVER_NODE
 
     def ros_arguments(self, node: str, life: int = 1) -> list[str]:
         """Return what follows ``--ros-args`` on the command line of `node`.
@@ -94,7 +106,9 @@ class RunPlan:
         if node == RECORDER_NODE:
             bag = self.bag if life == 1 else self.bag.with_name(f"{self.bag.name}-{life}")
             return {**(self.recorder or {}), "bag": str(bag)}
-        overrides: dict[str, Any] = {"use_sim_time": True}
+        if node == DRIVER_NODE:
+            return {}
+        overrides: dict[str, Any] = {"use_sim_time": not self.is_real}
         if node == TWIN_NODE and self.supervise and not self._value(node, "state_file"):
             overrides["state_file"] = str((self.output / "twin_state.json").absolute())
         return overrides
@@ -122,8 +136,14 @@ def plan_run(
         that is not installed, or supervision in a single process.
     """
     chosen = duration
+    is_real = configuration.machine == DRIVER_NODE
+    if is_real and mode == "lockstep":
+        raise BadInputError("--mode lockstep: a real machine does not wait; must be realtime")
+    if is_real and processes == "single":
+        raise BadInputError("--processes single: a real machine's driver has one of its own")
     if chosen is None:
-        chosen = configuration.value(PLANT_NODE, "duration") or DEFAULT_DURATION
+        in_file = None if is_real else configuration.value(PLANT_NODE, "duration")
+        chosen = in_file or DEFAULT_DURATION
     if supervise and processes == "single":
         raise BadInputError("--supervise: needs processes of their own: --processes separate")
     if not 0 < chosen <= 1e9:
@@ -138,7 +158,7 @@ def plan_run(
         )
     plan = RunPlan(
         configuration=configuration,
-        mode=mode or configuration.value(PLANT_NODE, "mode"),
+        mode="realtime" if is_real else mode or configuration.value(PLANT_NODE, "mode"),
         duration=float(chosen),
         processes=processes,
         output=output,

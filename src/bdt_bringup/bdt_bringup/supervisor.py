@@ -9,11 +9,10 @@ from bdt_bringup.node_process import NodeProcess, stop_all
 from bdt_bringup.restart_policy import MOST_RESTARTS, PERIOD, RestartPolicy
 from bdt_bringup.run_plan import RunPlan
 from bdt_msgs_py.command_errors import BAD_INPUT, BadInputError, LoopError
-from bdt_msgs_py.topics import PLANT_NODE
 
 
 class Supervisor:
-    """Starts the nodes of a plan; the plant, which is the run, is never started anew.
+    """Starts the nodes of a plan; the machine, which is the run, is never started anew.
 
     Parameters
     ----------
@@ -31,14 +30,14 @@ class Supervisor:
         self._lives: defaultdict[str, int] = defaultdict(int)
 
     def start_all(self) -> None:
-        """Start all nodes, the plant last."""
+        """Start all nodes, the machine last."""
         for name in self._plan.nodes:
             self._start(name)
 
     @property
-    def plant(self) -> NodeProcess:
-        """The plant's process."""
-        return self._running[PLANT_NODE]
+    def machine(self) -> NodeProcess:
+        """The process of the plant, or of the driver of a real machine."""
+        return self._running[self._plan.machine]
 
     def look(self) -> None:
         """Start nodes anew that died.
@@ -51,7 +50,7 @@ class Supervisor:
             If a node died and is not started anew.
         """
         now = time.monotonic()
-        others = [one for name, one in self._running.items() if name != PLANT_NODE]
+        others = [one for name, one in self._running.items() if name != self._plan.machine]
         ended = [one for one in others if one.exit_code is not None and one.name not in self._due]
         if not self._plan.supervise or any(one.exit_code == BAD_INPUT for one in ended):
             raise_for_ended_node(ended)

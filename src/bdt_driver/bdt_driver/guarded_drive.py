@@ -40,6 +40,11 @@ class GuardedDrive:
     brings_samples : bool
         Whether a reading has samples of the hardware.
 
+    Attributes
+    ----------
+    drive : object
+        What the class has made.
+
     Raises
     ------
     DriveError
@@ -61,6 +66,7 @@ class GuardedDrive:
             code.fail(code.factory, f"does not take {given}")
         with code.errors_in_one_line():
             drive = code.factory(**options)
+        self.drive = drive
         self._open = code.method(drive, "open", takes="")
         self._read = code.method(drive, "read", takes="")
         self._write = code.method(drive, "write", 0.0, takes="one voltage")

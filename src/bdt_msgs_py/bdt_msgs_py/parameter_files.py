@@ -55,7 +55,12 @@ def no_parameter_file(label: str) -> BadInputError:
 
 
 def checked_parameters(
-    label: str, parameters: Any, table: ParameterTable, *, for_all: bool
+    label: str,
+    parameters: Any,
+    table: ParameterTable,
+    *,
+    for_all: bool,
+    free_prefix: str | None = None,
 ) -> dict[str, Any]:
     """Return by flat name what a section sets for a node, each value checked.
 
@@ -69,6 +74,8 @@ def checked_parameters(
         Parameters of the node.
     for_all : bool
         Whether the section is for all nodes: what others have is left out then.
+    free_prefix : str, optional
+        Beginning of names that only somebody's own code knows, for example ``drive.``.
 
     Raises
     ------
@@ -79,6 +86,8 @@ def checked_parameters(
     for name, value in _flat(parameters):
         if name in known:
             check_value(f"{label}: {name}", value, *known[name])
+        elif free_prefix is not None and name.startswith(free_prefix):
+            values[name] = value
         elif name not in ROS_PARAMETERS and not name.startswith("qos_overrides."):
             if for_all:
                 continue

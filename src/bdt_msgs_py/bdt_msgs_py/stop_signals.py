@@ -2,6 +2,7 @@
 
 import atexit
 import signal
+from collections.abc import Callable
 from types import FrameType, TracebackType
 from typing import Any, Self
 
@@ -14,14 +15,20 @@ class StopSignals:
     The request is answered between two callbacks: a KeyboardInterrupt in the middle of one could
     tear a message or a C library's state.
 
+    Parameters
+    ----------
+    on_request : callable, optional
+        Called when a signal comes, in the main thread between any two steps of it.
+
     Attributes
     ----------
     requested : bool
         True once a signal has come.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, on_request: Callable[[], None] | None = None) -> None:
         self.requested = False
+        self._on_request = on_request
         self._previous: list[Any] = []
 
     def __enter__(self) -> Self:
@@ -44,6 +51,8 @@ class StopSignals:
 
     def _request(self, _number: int, _frame: FrameType | None) -> None:
         self.requested = True
+        if self._on_request is not None:
+            self._on_request()
 
 
 class InterruptOfWork:

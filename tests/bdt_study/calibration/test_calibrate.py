@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+import yaml
 from recorded_loops import Messages
 from unknown_machine import Proportional, Run, UnknownMachine, record
 
@@ -13,8 +14,12 @@ from bdt_bringup.configuration import load_configuration
 from bdt_controller.commissioning import level_at
 from bdt_msgs_py.command_errors import BAD_INPUT
 from bdt_study.calibration.calibrate import calibrate
+from bdt_study.calibration.calibrated_configuration import (
+    calibrated_configuration,
+    configuration_text,
+)
 from bdt_study.calibration.constant import HELD
-from bdt_study.calibration.start_values import read_configuration
+from bdt_study.calibration.start_values import model_values, read_configuration
 
 GAP = math.radians(12.0)
 MACHINE = UnknownMachine(coulomb_friction=10e-3, amplifier_offset=20e-3, delay=0.5e-3)
@@ -139,6 +144,18 @@ def test_files_and_json_of_the_command(bag, start, tmp_path, capsys):
     assert page.count("<svg") == 2
     for text in ("structure.mass", "Correlations", "would be told by"):
         assert text in page
+
+
+def test_what_a_file_says_of_a_driver_is_kept_beside_the_machine_that_was_found(result, tmp_path):
+    path = tmp_path / "machine.yaml"
+    path.write_text(START + "/**/driver: {ros__parameters: {drive: {port: x, gain: 2}}}\n")
+    before = read_configuration(path)
+    found = calibrated_configuration(before, model_values(result.start), result.constants)
+    text = configuration_text(found, "bag", result.constants)
+    assert yaml.safe_load(text)["/**/driver"] == {
+        "ros__parameters": {"drive": {"port": "x", "gain": 2}}
+    }
+    assert {"/**/plant", "/**/controller", "/**/twin"} < set(yaml.safe_load(text))
 
 
 def resting_rows(duration):

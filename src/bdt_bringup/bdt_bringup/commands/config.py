@@ -15,7 +15,7 @@ def _add_arguments(parser: ArgumentParser) -> None:
 
 def _config(options: Namespace) -> int:
     # The list of commands needs no YAML parser.
-    from bdt_bringup.configuration import packaged_configurations  # noqa: PLC0415
+    from bdt_msgs_py.configuration_files import packaged_configurations  # noqa: PLC0415
     from bdt_msgs_py.parameter_tables import suggestion  # noqa: PLC0415
 
     packaged = packaged_configurations()

@@ -22,7 +22,7 @@ def _add_arguments(parser: ArgumentParser) -> None:
         "--config",
         metavar="NAME|FILE",
         help="configuration that comes with the package (paper, linear, fixed_dead_zone, "
-        "laboratory, workshop), or a ROS parameter file",
+        "laboratory, workshop, serial_drive), or a ROS parameter file",
     )
     parser.add_argument(
         "--namespace",
@@ -31,11 +31,21 @@ def _add_arguments(parser: ArgumentParser) -> None:
         "one ROS domain",
     )
     parser.add_argument(
+        "--machine",
+        choices=("plant", "driver"),
+        help="which one, for a configuration that has a simulated machine and a real one",
+    )
+    parser.add_argument(
         "--mode",
         choices=("lockstep", "realtime"),
         help="simulated time as fast as it goes, or at the pace of the wall clock",
     )
-    parser.add_argument("--duration", type=float, metavar="S", help="simulated time [s]")
+    parser.add_argument(
+        "--duration",
+        type=float,
+        metavar="S",
+        help="simulated time, or time for which a real machine is armed [s]",
+    )
     parser.add_argument(
         "--processes",
         choices=("separate", "single"),
@@ -59,13 +69,18 @@ def _add_arguments(parser: ArgumentParser) -> None:
 
 def _run(options: Namespace) -> int:
     # The list of commands needs neither rclpy nor a YAML parser.
-    from bdt_bringup.configuration import find_configuration, load_configuration  # noqa: PLC0415
+    from bdt_bringup.configuration import load_configuration  # noqa: PLC0415
     from bdt_bringup.run import run_loop  # noqa: PLC0415
     from bdt_bringup.run_plan import plan_run  # noqa: PLC0415
+    from bdt_msgs_py.configuration_files import find_configuration  # noqa: PLC0415
     from bdt_msgs_py.loop_namespace import full_namespace  # noqa: PLC0415
 
     plan = plan_run(
-        load_configuration(find_configuration(options.config), full_namespace(options.namespace)),
+        load_configuration(
+            find_configuration(options.config),
+            full_namespace(options.namespace),
+            options.machine,
+        ),
         mode=options.mode,
         duration=options.duration,
         processes=options.processes,
@@ -115,7 +130,8 @@ def _report(bag: Path, output: Path, *, as_json: bool) -> int:
 
 COMMAND = Command(
     summary="start the nodes, record a bag, write a report",
-    description="Start plant, controller, twin and recorder, and analyze what they recorded.",
+    description="Start plant or driver, controller, twin and recorder, and analyze what they "
+    "recorded.",
     add_arguments=_add_arguments,
     run=_run,
 )

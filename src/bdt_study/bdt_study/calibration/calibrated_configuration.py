@@ -48,7 +48,8 @@ def calibrated_configuration(
     BadInputError
         If values that were found do not go together with the others.
     """
-    values = {node: dict((configuration or {}).get(node, {})) for node in TABLES}
+    before = configuration or {}
+    values = {node: dict(before.get(node, {})) for node in {**TABLES, **before}}
     for node in (CONTROLLER_NODE, TWIN_NODE):
         values[node].setdefault("use_sim_time", True)
     found = {name: each.value for name, each in constants.items()}

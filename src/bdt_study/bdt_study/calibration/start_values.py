@@ -20,7 +20,7 @@ from bdt_msgs_py.parameter_tables import (
     known_parameters,
     parameter_sets,
 )
-from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
+from bdt_msgs_py.topics import CONTROLLER_NODE, DRIVER_NODE, PLANT_NODE, TWIN_NODE
 from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.motor import MotorParameters
 from bdt_plant.parameters import PARAMETERS as PLANT_PARAMETERS
@@ -52,7 +52,8 @@ def read_configuration(path: Path) -> Configuration:
     Parameters
     ----------
     path : Path
-        The file. Namespaces of its sections do not matter, sections of other nodes are left out.
+        The file. Namespaces of its sections do not matter. The driver's section is taken as it
+        is, sections of other nodes are left out.
 
     Raises
     ------
@@ -76,6 +77,11 @@ def read_configuration(path: Path) -> Configuration:
                 values[node] |= checked_parameters(
                     f"{label}: {section}", parameters, table, for_all=for_all
                 )
+        if named == DRIVER_NODE:
+            # A robot has its table, and the class of the drive names parameters of its own.
+            values[DRIVER_NODE] = checked_parameters(
+                f"{label}: {section}", parameters, (), for_all=False, free_prefix=""
+            )
     return values
 
 

@@ -1,0 +1,1 @@
+"""Emulator of a serial drive: the simulated mechanism behind a pseudo-terminal."""
