@@ -12,7 +12,7 @@ SOURCES := src tests embedded_ros checks docs/make_figures.py docs/source/conf.p
 # Tests of one file share what they set up, so a file stays with one process.
 PARALLEL ?= --numprocesses auto --maxprocesses 4 --dist loadfile
 
-.PHONY: run hardware test test-noble conformance stray-messages setup check docs figures dist dist-test version lock
+.PHONY: run hardware test test-noble conformance stray-messages soak setup check docs figures dist dist-test version lock
 
 # DURATION=40 runs 40 s of the scenario's 120.
 run: setup
@@ -39,6 +39,14 @@ conformance:
 # What each node does about messages that do not belong, as a page of the documentation.
 stray-messages: setup
 	WRITE_STRAY_MESSAGES=1 $(BIN)/python -m pytest tests/test_stray_messages.py
+
+# Loops under random schedules of faults, some 15 s each: SCHEDULES of them from SEED on. With the same
+# RESULTS it goes on where it ended.
+SCHEDULES ?= 10000
+SEED ?= 0
+RESULTS ?= soak.txt
+soak: setup
+	$(BIN)/python tests/faults/soak.py --count $(SCHEDULES) --begin $(SEED) --results $(RESULTS)
 
 check: setup
 	$(BIN)/ruff check $(SOURCES)
