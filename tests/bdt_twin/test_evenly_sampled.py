@@ -75,3 +75,19 @@ def test_jitter_costs_little(closed_loop, how):
     errors = np.rad2deg([each.gap for each in learned]) - 8.0
     assert np.sqrt(np.mean(errors[3:] ** 2)) < 0.1
     assert not outer.sampling.is_even
+
+
+def test_what_is_known_of_a_machine_goes_through_to_the_estimator_and_back():
+    class Remembers:
+        recollection = None
+
+        def recall(self, kept, age):
+            self.recollection = kept, age
+
+    remembers = EvenlySampled(Remembers(), 1000.0)
+    assert remembers.recollection is None
+    remembers.recall("kept", 5.0)
+    assert remembers.recollection == ("kept", 5.0)
+    forgets = EvenlySampled(object(), 1000.0)
+    forgets.recall("kept", 5.0)
+    assert forgets.recollection is None

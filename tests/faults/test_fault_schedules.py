@@ -24,9 +24,7 @@ from bdt_msgs_py.message_checks import check_position, check_telemetry_times, ch
 from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.writing import platform_position
 
-SHORT = (
-    "1.5 loss command 0.5 0.3; 2 hostile twin 0 1; 2.5 kill controller 0 1; 3 kill twin 0 1",
-)
+SHORT = ("1.5 loss command 0.5 0.3; 2 hostile twin 0 1; 2.5 kill controller 0 1; 3 kill twin 0 1",)
 """What `make test` runs; `make soak` runs as many seeds as there is time for."""
 
 

@@ -42,8 +42,15 @@ class EvenlySampled:
 
     @property
     def recollection(self) -> MachineRecollection | None:
-        """What the estimator knows of the machine, for another one to begin with."""
-        return getattr(self.estimator, "recollection", None)
+        """What is worth keeping of the machine; None from an estimator that does not look at it."""
+        found: MachineRecollection | None = getattr(self.estimator, "recollection", None)
+        return found
+
+    def recall(self, kept: MachineRecollection, age: float) -> None:
+        """Tell the estimator what one before knew of the machine some time [s] ago."""
+        recall = getattr(self.estimator, "recall", None)
+        if recall is not None:
+            recall(kept, age)
 
     def restart(self) -> None:
         """Forget everything: another run begins."""
