@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bdt_bringup.installed import MACHINES, parameter_table
+from bdt_bringup.installed import parameter_table
+from bdt_bringup.loop_state import MACHINES
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.parameter_files import (
     PARAMETERS_KEY,

@@ -44,9 +44,6 @@ PACKAGE_OF_NODE = {
 }
 """The nodes of a loop in the order of their start; the machine, plant or driver, is last."""
 
-MACHINES = (PLANT_NODE, DRIVER_NODE)
-"""Nodes of which a loop has one: the simulated machine, or the driver of a real one."""
-
 
 def installed_commands() -> dict[str, Command]:
     """Return the subcommands that are installed: the project's in their order, then others."""

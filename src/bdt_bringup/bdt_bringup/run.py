@@ -9,7 +9,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from bdt_bringup.installed import MACHINES, node_class
+from bdt_bringup.installed import node_class
+from bdt_bringup.loop_state import MACHINES
 from bdt_bringup.monitor import MonitorNode
 from bdt_bringup.progress_display import ProgressDisplay
 from bdt_bringup.real_machine import RealMachine

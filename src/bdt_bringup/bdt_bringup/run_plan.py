@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from bdt_bringup.configuration import Configuration
-from bdt_bringup.installed import MACHINES, PACKAGE_OF_NODE, missing_packages
+from bdt_bringup.installed import PACKAGE_OF_NODE, missing_packages
+from bdt_bringup.loop_state import MACHINES
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.loop_namespace import namespace_arguments
 from bdt_msgs_py.parameter_tables import ros_arguments
