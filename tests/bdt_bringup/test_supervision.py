@@ -132,6 +132,7 @@ def supervisor(tmp_path, monkeypatch):
         plan = SimpleNamespace(
             output=tmp_path,
             supervise=restart,
+            machine="plant",
             nodes=["twin", "plant"],
             ros_arguments=lambda name, life: [f"{name}:={life}"],
         )

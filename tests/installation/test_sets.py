@@ -122,7 +122,12 @@ def test_the_twin_starts(ros, twin):
 def test_a_robot_s_bdt_lists_what_is_there(robot):
     said = succeeded(robot.run("bdt", "--help"))
     # The name of a command is indented by four blanks, what wraps of its description by more.
-    assert re.findall(r"^ {4}([\w-]+)", said, re.MULTILINE) == ["run", "config", "hardware-check"]
+    assert re.findall(r"^ {4}([\w-]+)", said, re.MULTILINE) == [
+        "run",
+        "status",
+        "config",
+        "hardware-check",
+    ]
 
 
 def test_a_robot_s_bdt_says_which_package_has_the_others(robot):

@@ -97,7 +97,7 @@ class TwinNode(Node):
         )
         if self._kept.recalled is not None:
             self._delivery.resume(self._kept.recalled.state)
-            self._kept.recall_machine(estimator.estimator)
+            self._kept.recall_machine(estimator)
         self._estimate_publisher = self.create_publisher(
             JointState, BACKLASH_ESTIMATE.name, qos_profile(BACKLASH_ESTIMATE)
         )
