@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -151,6 +151,7 @@ def test_turning_all_signs_turns_the_response_exactly(voltage, current, speed):
 
 @settings(max_examples=40)
 @given(st.floats(-24, 24), st.floats(-1, 1), st.floats(-200, 200))
+@example(voltage=1.0, current=-1.0, speed=0.0)
 def test_without_any_resistance_it_is_the_motor_of_eq_2(voltage, current, speed):
     state = MotorState(current, speed, 1.0)
     moved = advance(state, voltage, 1, load=0.0, backward=0.0, forward=0.0)

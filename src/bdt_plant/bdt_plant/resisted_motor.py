@@ -80,24 +80,29 @@ def resisted_motor_step(
         From :func:`discretize_resisted_motor`.
     """
     current, speed, angle = state
-    if speed == 0.0:
+    torque = current - load
+    sign = 0.0
+    if speed > 0.0 or (speed == 0.0 and torque > forward):
+        sign = 1.0
+    elif speed < 0.0 or torque < -backward:
+        sign = -1.0
+    if sign == 0.0:
+        # The motor rests at first, and may break loose within the step.
         end = step.decay * current + (1.0 - step.decay) * voltage / step.resistance
-        begin_torque, end_torque = current - load, end - load
-        if begin_torque > forward or end_torque > forward:
-            held = breakaway_friction(begin_torque, end_torque, forward)
+        if end - load > forward:
+            held = breakaway_friction(torque, end - load, forward)
             moved = _moved(state, voltage, load + held, step)
             if moved.speed > 0.0:
                 return moved
-        elif begin_torque < -backward or end_torque < -backward:
-            held = -breakaway_friction(-begin_torque, -end_torque, backward)
+        elif end - load < -backward:
+            held = -breakaway_friction(-torque, load - end, backward)
             moved = _moved(state, voltage, load + held, step)
             if moved.speed < 0.0:
                 return moved
         if abs(end) < SMALLEST_SIGNAL:
             end = 0.0
         return MotorState(end, 0.0, angle)
-    sign = 1.0 if speed > 0.0 else -1.0
-    held, reverse = (forward, -backward) if speed > 0.0 else (-backward, forward)
+    held, reverse = (forward, -backward) if sign > 0.0 else (-backward, forward)
     moved = _moved(state, voltage, load + held, step)
     if moved.speed * sign > 0.0:
         return moved
@@ -107,7 +112,7 @@ def resisted_motor_step(
         held += moved.speed / step.per_current
         stopped = _moved(state, voltage, load + held, step)
         return MotorState(stopped.current, 0.0, stopped.angle)
-    before = speed / (speed - moved.speed)
+    before = speed / (speed - moved.speed) if speed != 0.0 else 0.0
     return _moved(state, voltage, load + held * before + reverse * (1.0 - before), step)
 
 
