@@ -145,3 +145,15 @@ def test_what_is_of_no_use_and_stands_elsewhere_leaves_no_hole(sequence):
     sequence.note_unusable(batch(50.0))
     is_rejected(sequence, batch(50.1))
     assert sequence.admit(batch(10.1), 0.0).hole is None
+
+
+@pytest.mark.parametrize("step", [STEP, None])
+def test_batches_of_samples_that_come_in_bunches_continue_each_other(step):
+    """Five samples each millisecond, stamped when they come, cut into batches anywhere."""
+    numbers = np.arange(5000)
+    rows = np.zeros((5000, 3))
+    rows[:, 0] = numbers // 5 * 1e-3 + numbers % 5 * 1e-6
+    sequence = TelemetrySequence(step)
+    parts = np.split(rows, range(500, 5000, 500))
+    admitted = [sequence.admit(part, 0.1 * number) for number, part in enumerate(parts)]
+    assert [len(each.batches) for each in admitted] == [1] * 10

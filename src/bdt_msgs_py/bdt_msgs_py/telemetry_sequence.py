@@ -15,8 +15,8 @@ STEP_FACTOR = 2.0
 """Factor by which a batch's mean time step may differ from the known one."""
 
 LONGEST_BUNCH = 2.5e-3
-"""Time [s] between two samples of a batch that is no hole: a transport that comes once in each
-millisecond stamps samples in bunches."""
+"""Time [s] between two samples that is no hole, whatever the sample time: a transport that comes
+once in each millisecond stamps samples in bunches."""
 
 FloatArray = NDArray[np.float64]
 
@@ -126,7 +126,7 @@ class TelemetrySequence:
         return self._rejection(float(self._held[0, 0]))
 
     def _is_next(self, end: float, begin: float) -> bool:
-        largest = LARGEST_HOLE if self._step is None else self._step * STEP_FACTOR
+        largest = LARGEST_HOLE if self._step is None else _longest_step(self._step)
         return 0.0 < begin - end <= largest
 
     def _hole_before(self, begin: float) -> FloatArray | None:
@@ -154,13 +154,13 @@ class TelemetrySequence:
         steps = np.diff(rows[:, 0])
         if not steps.size:
             return
-        if self._step is None:
-            self._step = float(np.median(steps))
         # The steps of a machine's telemetry differ, and samples may come in bunches.
         mean, largest = float(np.mean(steps)), float(steps.max())
+        if self._step is None:
+            self._step = mean
         for step, is_wrong in (
             (mean, not self._step / STEP_FACTOR <= mean <= self._step * STEP_FACTOR),
-            (largest, largest > max(STEP_FACTOR * self._step, LONGEST_BUNCH)),
+            (largest, largest > _longest_step(self._step)),
         ):
             if is_wrong:
                 raise MessageRejectedError(
@@ -177,6 +177,11 @@ class TelemetrySequence:
         self._held = self._unusable = None
         self._clock_went_back = False
         return Admitted(batches, begins, stray, hole)
+
+
+def _longest_step(sample_time: float) -> float:
+    """Return the longest time [s] from one sample to the next that is no hole."""
+    return max(STEP_FACTOR * sample_time, LONGEST_BUNCH)
 
 
 def _is_after(end: float, begin: float) -> bool:
