@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from bdt_msgs_py.telemetry_sequence import LONGEST_BUNCH
 from bdt_twin.clock_line import ClockLine
 from bdt_twin.fixed_order import dot, mean
-from bdt_twin.telemetry_stream import TIME_TOLERANCE
+from bdt_twin.telemetry_stream import step_tolerance
 
 FloatArray = NDArray[np.float64]
 
@@ -111,9 +111,8 @@ class EvenSamples:
             self._begin(np.empty((0, 3)))
             return rows
         steps = np.diff(rows[:, 0]) * self._rate
-        # Epoch seconds in a float64 resolve a quarter of a microsecond.
-        resolved = 4 * float(np.spacing(np.abs(rows[:, 0]).max())) * self._rate
-        is_even = bool((np.abs(steps - 1.0) <= TIME_TOLERANCE + resolved).all())
+        tolerance = step_tolerance(rows[:, 0], 1.0 / self._rate) * self._rate
+        is_even = bool((np.abs(steps - 1.0) <= tolerance).all())
         if self.sampling.is_even and is_even:
             self._newest, self._newest_stamp = rows[-NEIGHBORS:].copy(), float(rows[-1, 0])
             return rows

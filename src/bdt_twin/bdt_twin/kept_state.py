@@ -6,7 +6,7 @@ from typing import Any
 
 from bdt_plant.plant import PlantModel
 from bdt_twin.estimation_record import EstimationRecord
-from bdt_twin.estimator import Estimator
+from bdt_twin.evenly_sampled import EvenlySampled
 from bdt_twin.link import Reconfiguration
 from bdt_twin.state_file import StateFileError, StoredState, read_state
 from bdt_twin.state_writer import StateWriter
@@ -72,13 +72,13 @@ class KeptState:
         if not is_foreign:
             self._writer = StateWriter(path)
 
-    def recall_machine(self, estimator: Estimator) -> None:
+    def recall_machine(self, estimator: EvenlySampled) -> None:
         """Tell an estimator what the one before knew of the machine, if it wants to know."""
-        recall = getattr(estimator, "recall", None)
-        if recall is None or self.recalled is None or self.recalled.state.machine is None:
+        if self.recalled is None:
             return
         state, age = self.recalled
-        recall(state.machine, age + state.machine_age)
+        if state.machine is not None:
+            estimator.recall(state.machine, age + state.machine_age)
 
     def note(
         self,

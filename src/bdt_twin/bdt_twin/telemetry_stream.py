@@ -58,7 +58,8 @@ class TelemetryStream:
             return f"row {np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]} is not finite"
         before = [] if self._last_time is None else [self._last_time]
         steps = np.diff(np.concatenate([before, rows[:, 0]]))
-        wrong = np.flatnonzero(np.abs(steps - self._sample_time) > self._tolerance(rows))
+        tolerance = step_tolerance(rows[:, 0], self._sample_time)
+        wrong = np.flatnonzero(np.abs(steps - self._sample_time) > tolerance)
         if not wrong.size:
             return None
         step = float(steps[wrong[0]])
@@ -67,6 +68,15 @@ class TelemetryStream:
             return f"time goes back by {abs(step):.6f} s {where}"
         return f"time step of {step:.6f} s instead of {self._sample_time:.6f} s {where}"
 
-    def _tolerance(self, rows: NDArray[np.float64]) -> float:
-        # Epoch seconds in a float64 resolve a quarter of a microsecond.
-        return TIME_TOLERANCE * self._sample_time + 4 * float(np.spacing(np.abs(rows[:, 0]).max()))
+
+def step_tolerance(times: NDArray[np.float64], sample_time: float) -> float:
+    """Return by how much a time step may differ from the sample time and is even [s].
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Stamps [s], n at least 1: epoch seconds in a float64 resolve a quarter of a microsecond.
+    sample_time : float
+        Sample time [s].
+    """
+    return TIME_TOLERANCE * sample_time + 4 * float(np.spacing(np.abs(times).max()))

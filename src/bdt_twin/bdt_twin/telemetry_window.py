@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from bdt_twin.estimator import TelemetryRejectedError
 from bdt_twin.stretch import LEAD, Stretch
-from bdt_twin.telemetry_stream import TIME_TOLERANCE
+from bdt_twin.telemetry_stream import step_tolerance
 
 
 class _Batch(NamedTuple):
@@ -74,8 +74,7 @@ class TelemetryWindow:
         wrong = np.flatnonzero(~np.isfinite(rows).all(axis=1))
         if wrong.size:
             raise TelemetryRejectedError(f"row {wrong[0]} is not finite")
-        # Epoch seconds in a float64 resolve a quarter of a microsecond.
-        tolerance = TIME_TOLERANCE / self._rate + 4 * float(np.spacing(np.abs(rows[:, 0]).max()))
+        tolerance = step_tolerance(rows[:, 0], 1.0 / self._rate)
         first = self._number(float(rows[0, 0]), tolerance)
         steps = np.diff(rows[:, 0])
         wrong = np.flatnonzero(np.abs(steps - 1.0 / self._rate) > tolerance)
