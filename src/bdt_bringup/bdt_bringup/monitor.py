@@ -34,6 +34,8 @@ class MonitorNode(Node):
         Latest estimate of the gap [rad].
     dead_zone : float or None
         Dead-zone tolerance in force [m].
+    health : LoopHealth
+        What the nodes of the loop say of themselves.
     rejected : RejectedMessages
         What is not shown, because it cannot be true.
     """
@@ -46,7 +48,7 @@ class MonitorNode(Node):
         self._begin: tuple[float, float] | None = None
         self._heard = 0.0
         self._times = clock_sequence()
-        self._health = LoopHealth(self)
+        self.health = LoopHealth(self)
         self.rejected = RejectedMessages(self.get_logger())
         for kind, topic, callback in (
             (Clock, CLOCK, self._take_clock),
@@ -58,7 +60,7 @@ class MonitorNode(Node):
     @property
     def state(self) -> LoopState:
         """State of the loop, as its nodes say it."""
-        return self._health.state
+        return self.health.state
 
     def real_time_factor(self) -> float | None:
         """Return simulated seconds per second of wall time until the latest of /clock."""

@@ -4,15 +4,13 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.executors import SingleThreadedExecutor
 from std_srvs.srv import Trigger
 
-from bdt_bringup.loop_state import LoopState
+from bdt_bringup.loop_state import ERROR, LoopState
 from bdt_bringup.monitor import MonitorNode
 from bdt_msgs_py.command_errors import LoopError
-from bdt_msgs_py.qos import qos_profile
-from bdt_msgs_py.topics import DIAGNOSTICS, DRIVER_NODE
+from bdt_msgs_py.topics import DRIVER_NODE
 
 ARMING_TIMEOUT = 60.0
 """Wall time [s] after which a machine that is not armed will not be."""
@@ -40,18 +38,13 @@ class RealMachine:
 
     def __init__(self, monitor: MonitorNode, nodes: Sequence[str]) -> None:
         self._monitor = monitor
-        namespace = monitor.get_namespace().rstrip("/")
-        self._awaited = {(name, namespace or "/") for name in nodes}
-        self._driver = f"{namespace}/{DRIVER_NODE}"
+        self._awaited = {(name, monitor.get_namespace()) for name in nodes}
         self._arm = monitor.create_client(Trigger, f"{DRIVER_NODE}/arm")
         self._disarm = monitor.create_client(Trigger, f"{DRIVER_NODE}/disarm")
-        monitor.create_subscription(
-            DiagnosticArray, DIAGNOSTICS.name, self._take_diagnostics, qos_profile(DIAGNOSTICS)
-        )
         self._began = time.monotonic()
         self._armed_at: float | None = None
         self._answer: Any = None
-        self._reason, self._fault = "its nodes have not started", ""
+        self._reason = "its nodes have not started"
         self.simulated_time = 0.0
         self.gap: float | None = None
         self.dead_zone: float | None = None
@@ -73,8 +66,9 @@ class RealMachine:
         LoopError
             If it does not get armed, or has a fault; the text says why.
         """
-        if self._fault:
-            raise LoopError(f"node {DRIVER_NODE}: the drive is stopped: {self._fault}")
+        said = self._monitor.health.reports.get(DRIVER_NODE)
+        if said is not None and said.level >= ERROR:
+            raise LoopError(f"node {DRIVER_NODE}: the drive is stopped: {said.text}")
         self.gap, self.dead_zone = self._monitor.gap, self._monitor.dead_zone
         now = time.monotonic()
         if self._armed_at is not None:
@@ -104,9 +98,3 @@ class RealMachine:
         here = set(self._monitor.get_node_names_and_namespaces())
         if self._awaited <= here and self._arm.service_is_ready():
             self._answer = self._arm.call_async(Trigger.Request())
-
-    def _take_diagnostics(self, message: DiagnosticArray) -> None:
-        for status in message.status:
-            is_error = bytes(status.level) == bytes(DiagnosticStatus.ERROR)
-            if status.name == self._driver and is_error:
-                self._fault = status.message

@@ -16,11 +16,6 @@ class RestartPolicy:
     def __init__(self) -> None:
         self._deaths: deque[float] = deque()
 
-    @property
-    def count(self) -> int:
-        """Number of deaths within ``PERIOD``."""
-        return len(self._deaths)
-
     def died(self, now: float) -> float | None:
         """Note a death and return what to do.
 

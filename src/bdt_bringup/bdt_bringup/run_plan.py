@@ -110,12 +110,13 @@ class RunPlan:
         if node == DRIVER_NODE:
             return {}
         overrides: dict[str, Any] = {"use_sim_time": not self.is_real}
-        if node == TWIN_NODE and self.supervise and not self._value(node, "state_file"):
+        if (
+            node == TWIN_NODE
+            and self.supervise
+            and not self.configuration.value(node, "state_file")
+        ):
             overrides["state_file"] = str((self.output / "twin_state.json").absolute())
         return overrides
-
-    def _value(self, node: str, name: str) -> Any:
-        return self.configuration.value(node, name)
 
 
 def plan_run(

@@ -48,11 +48,6 @@ class SerialLine:
         with self._one_line_errors():
             self._port.reset_input_buffer()
 
-    @property
-    def skipped_bytes(self) -> int:
-        """Number of bytes received that belong to no intact frame."""
-        return self._reader.skipped
-
     def send(self, kind: int, payload: bytes = b"") -> None:
         """Send a frame; may be called by several threads."""
         with self._sending, self._one_line_errors():

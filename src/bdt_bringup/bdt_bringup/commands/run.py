@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from bdt_bringup.installed import installed_commands, missing_packages, parameter_table
+from bdt_bringup.loop_state import MACHINES
 from bdt_msgs_py.command_errors import INTERRUPTED, complain
 from bdt_msgs_py.commands import Command
 from bdt_msgs_py.quantity_options import add_quantity_options, quantities_from_options
@@ -32,7 +33,7 @@ def _add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--machine",
-        choices=("plant", "driver"),
+        choices=MACHINES,
         help="which one, for a configuration that has a simulated machine and a real one",
     )
     parser.add_argument(
