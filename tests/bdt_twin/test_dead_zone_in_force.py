@@ -3,25 +3,19 @@
 import math
 import sys
 
-import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import ParameterEvent
-from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.parameter_client import AsyncParameterClient
-from std_msgs.msg import Float64MultiArray
+from telemetry_operator import Operator
 
 from bdt_controller.controller_node import ControllerNode
 from bdt_msgs_py.qos import qos_profile
-from bdt_msgs_py.topics import DIAGNOSTICS, PARAMETER_EVENTS, TELEMETRY, TELEMETRY_COLUMNS
-from bdt_msgs_py.writing import sample_message
+from bdt_msgs_py.topics import DIAGNOSTICS, PARAMETER_EVENTS
 from bdt_twin.dead_zone_in_force import DeadZoneInForce
 from bdt_twin.twin_node import TwinNode
 
 BY_HAND = 5e-5
-SAMPLING_RATE = 5000
-BATCH = 500
 
 
 def test_before_the_first_event_nothing_is_known():
@@ -62,47 +56,25 @@ class AlwaysKnows:
 """
 
 
-class Loop:
+class Loop(Operator):
     """A controller, a twin that has an estimate with every batch, and an operator."""
 
-    def __init__(self, ros, **parameters):
-        self.ros, self.samples = ros, 0
+    def __init__(self, ros):
+        super().__init__(ros)
         self.said = {}
-        self.operator = ros.create(Node, "operator")
-        self.operator.create_subscription(
+        self.node.create_subscription(
             DiagnosticArray, DIAGNOSTICS.name, self._hear, qos_profile(DIAGNOSTICS)
-        )
-        self.telemetry = self.operator.create_publisher(
-            Float64MultiArray, TELEMETRY.name, qos_profile(TELEMETRY)
         )
         self.twin = ros.create(
             TwinNode, estimator__kind="always_knows:AlwaysKnows", communication_delay=0.0
         )
         ros.spin_until(lambda: self.telemetry.get_subscription_count() == 1)
-        ros.spin_until(lambda: self.operator.count_subscribers("/parameter_events") >= 1)
+        ros.spin_until(lambda: self.node.count_subscribers("/parameter_events") >= 1)
         self.controller = ros.create(ControllerNode)
 
     def _hear(self, message):
         (status,) = message.status
         self.said[status.name] = {each.key: each.value for each in status.values}
-
-    def set(self, node, name, value):
-        client = AsyncParameterClient(self.operator, node)
-        self.ros.spin_until(client.services_are_ready)
-        (result,) = self.ros.result(client.set_parameters([Parameter(name, value=value)])).results
-        assert result.successful, result.reason
-
-    def estimate(self):
-        before = self.health["estimates"]
-        batch = np.zeros((BATCH, 3))
-        batch[:, 0] = (self.samples + np.arange(BATCH)) / SAMPLING_RATE
-        self.samples += BATCH
-        self.telemetry.publish(sample_message(batch, TELEMETRY_COLUMNS))
-        self.ros.spin_until(lambda: self.health["estimates"] > before)
-
-    @property
-    def health(self):
-        return self.twin._health().values
 
     @property
     def in_force(self):
@@ -153,7 +125,7 @@ def test_the_dead_zone_can_be_taken_over_and_given_back(ros, loop):
 @pytest.mark.parametrize("value", [math.nan, -1e-5, 1e300])
 def test_a_dead_zone_that_cannot_be_is_not_believed(ros, loop, value):
     loop.wait_for("start-up of the controller")
-    events = loop.operator.create_publisher(
+    events = loop.node.create_publisher(
         ParameterEvent, PARAMETER_EVENTS.name, qos_profile(PARAMETER_EVENTS)
     )
     ros.spin_until(lambda: events.get_subscription_count() == 1)

@@ -6,22 +6,14 @@ import time
 
 import numpy as np
 import pytest
-from rclpy.node import Node
-from rclpy.parameter import Parameter
-from rclpy.parameter_client import AsyncParameterClient
-from std_msgs.msg import Float64MultiArray
+from telemetry_operator import Operator
 
 from bdt_controller.controller_node import ControllerNode
 from bdt_msgs_py.diagnostics import PERIOD
 from bdt_msgs_py.node_parameters import ConfigurationError
-from bdt_msgs_py.qos import qos_profile
-from bdt_msgs_py.topics import TELEMETRY, TELEMETRY_COLUMNS
-from bdt_msgs_py.writing import sample_message
 from bdt_twin.twin_node import TwinNode
 
 BY_HAND = 5e-5
-SAMPLING_RATE = 5000
-BATCH = 500
 IN_FORCE = 1e-3 / (2 * np.pi) * 0.25
 
 KNOWS_ALL = """
@@ -43,16 +35,10 @@ class KnowsAll:
 """
 
 
-class Loop:
+class Loop(Operator):
     """An operator with a controller and a twin that he starts and ends."""
 
-    def __init__(self, ros):
-        self.ros, self.samples = ros, 0
-        self.operator = ros.create(Node, "operator")
-        self.telemetry = self.operator.create_publisher(
-            Float64MultiArray, TELEMETRY.name, qos_profile(TELEMETRY)
-        )
-        self.twin = self.controller = None
+    controller = None
 
     def start_twin(self, **parameters):
         chosen = {"estimator__kind": "knows_all:KnowsAll", "communication_delay": 0.0}
@@ -70,29 +56,11 @@ class Loop:
             lambda: not self.telemetry.get_subscription_count() or self.twin not in nodes
         )
 
-    def set(self, name, value):
-        client = AsyncParameterClient(self.operator, "controller")
-        self.ros.spin_until(client.services_are_ready)
-        (result,) = self.ros.result(client.set_parameters([Parameter(name, value=value)])).results
-        assert result.successful, result.reason
-
-    def estimate(self):
-        before = self.health["estimates"]
-        batch = np.zeros((BATCH, 3))
-        batch[:, 0] = (self.samples + np.arange(BATCH)) / SAMPLING_RATE
-        self.samples += BATCH
-        self.telemetry.publish(sample_message(batch, TELEMETRY_COLUMNS))
-        self.ros.spin_until(lambda: self.health["estimates"] > before)
-
     def estimate_and_set(self):
         """Have the twin set the dead zone by an estimate."""
         before = self.health["reconfigurations"]
         self.estimate()
         self.ros.spin_until(lambda: self.health["reconfigurations"] > before)
-
-    @property
-    def health(self):
-        return self.twin._health().values
 
     def has(self, name):
         return self.controller.get_parameter(name).value
@@ -145,8 +113,8 @@ def test_what_somebody_else_sets_stays_until_the_next_estimate(ros, loop):
     loop.start_controller()
     loop.start_twin()
     loop.estimate_and_set()
-    loop.set("dead_zone_tolerance", BY_HAND)
-    loop.set("voltage_offset", 0.5)
+    loop.set("controller", "dead_zone_tolerance", BY_HAND)
+    loop.set("controller", "voltage_offset", 0.5)
     # Longer than it takes to hear of it in the diagnostics.
     ros.spin_for(2.5 * PERIOD)
     assert (loop.dead_zone, loop.has("voltage_offset")) == (BY_HAND, 0.5)
@@ -173,7 +141,7 @@ def test_a_twin_that_comes_anew_passes_on_what_was_set_by_hand_in_the_meantime(r
     loop.start_twin(state_file="twin.json")
     loop.estimate_and_set()
     loop.end(loop.twin)
-    loop.set("dead_zone_tolerance", BY_HAND)
+    loop.set("controller", "dead_zone_tolerance", BY_HAND)
     loop.start_twin(state_file="twin.json")
     ros.spin_until(lambda: loop.health["dead_zone_set_by"] == "before the twin came")
     assert loop.dead_zone == BY_HAND
@@ -219,6 +187,21 @@ def test_without_telemetry_the_state_is_kept_for_the_twin_after_the_next(ros, lo
         loop.wait_for_the_twin_s()
         ros.spin_until(lambda: loop.health["reconfigurations"] == 1)
     assert loop.health["recalled_gap_rad"] == 0.25
+
+
+def test_what_was_answered_is_kept_even_if_the_next_question_is_asked_at_once(ros, loop):
+    loop.start_controller()
+    loop.start_twin(state_file="twin.json")
+    delivery = loop.twin._delivery
+    loop.estimate()
+    ros.spin_until(lambda: delivery.requests.in_flight is not None)
+    delivery._send_again("somebody has doubts")
+    ros.spin_until(lambda: delivery.requests.accepted == 1)
+    assert delivery.requests.in_flight is not None
+    loop.end(loop.twin, loop.controller)
+    loop.start_controller()
+    loop.start_twin(state_file="twin.json")
+    loop.wait_for_the_twin_s()
 
 
 def test_what_was_kept_takes_the_link_s_delay(ros, loop):

@@ -170,6 +170,9 @@ class DeadZoneDelivery:
         return in_flight.due if in_flight is not None else self._reconfigurator.next_due()
 
     def _request_ended(self, unanswered: Reconfiguration | None) -> None:
+        if unanswered is None:
+            # The next question puts in doubt again what this answer has told.
+            self._progressed()
         self.deliver(unanswered)
         self._progressed()
 
