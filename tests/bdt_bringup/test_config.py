@@ -5,21 +5,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from shipped_configurations import SHIPPED
 
 from bdt_bringup.cli import run_command
 from bdt_msgs_py.configuration_files import packaged_configurations
 
 ROOT = Path(__file__).parents[2]
-
-SHIPPED = [
-    "paper",
-    "linear",
-    "fixed_dead_zone",
-    "laboratory",
-    "simulated",
-    "workshop",
-    "serial_drive",
-]
 
 
 def test_without_a_name_the_configurations_are_listed_with_what_they_are(capsys):

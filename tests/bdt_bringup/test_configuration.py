@@ -7,6 +7,7 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+from shipped_configurations import SHIPPED
 
 from bdt_bringup.configuration import CONFIGURED_NODES, load_configuration
 from bdt_bringup.installed import parameter_table
@@ -19,15 +20,6 @@ from bdt_plant.sensor import SensorParameters
 from bdt_study.design.tuned_gains import TUNED_GAINS
 from bdt_study.evaluation.trial import MARGIN
 
-SHIPPED = [
-    "paper",
-    "linear",
-    "fixed_dead_zone",
-    "laboratory",
-    "simulated",
-    "workshop",
-    "serial_drive",
-]
 CONFIG = Path(__file__).parents[2] / "config"
 
 

@@ -136,25 +136,31 @@ def test_one_process_or_many_and_one_run_or_the_next_give_the_same_bytes(three_r
     assert hasty["timing"]["measurement"]["repeated"] > 0, "otherwise this compares less"
 
 
-@pytest.mark.parametrize("processes", ["separate", "single"])
 def test_loops_in_namespaces_run_side_by_side_and_give_the_same_bytes(
-    three_runs, tmp_path, claim_domain, processes
+    three_runs, tmp_path, claim_domain
 ):
-    expected = contents(three_runs[0][0] / "bag")
+    long_telemetry, long_commands, long_estimates = contents(three_runs[0][0] / "bag")
     domain = claim_domain()
-    arguments = ("run", "--config", "paper", "--duration", "12", "--processes", processes, "--json")
+    arguments = ("run", "--config", "paper", "--duration", "8", "--json")
+    loops = {"left": "separate", "laboratory/right": "single"}
     started = {
-        name: bdt(*arguments, "--output", tmp_path / name, "--namespace", name, domain=domain)
-        for name in ("left", "laboratory/right")
+        name: bdt(
+            *(*arguments, "--processes", processes),
+            *("--output", tmp_path / name, "--namespace", name),
+            domain=domain,
+        )
+        for name, processes in loops.items()
     }
     for name, process in started.items():
         code, out, err = finished(process)
         assert code == 0, err
-        assert json.loads(out)["reconfigurations"] == three_runs[0][1]["reconfigurations"]
+        assert json.loads(out)["reconfigurations"] > 0
         telemetry, commands, estimates = contents(tmp_path / name / "bag", f"/{name}")
-        np.testing.assert_array_equal(telemetry, expected[0])
-        assert commands == expected[1]
-        assert estimates == expected[2]
+        assert (len(telemetry), len(commands)) == (40000, 4000)
+        np.testing.assert_array_equal(telemetry, long_telemetry[:40000])
+        assert commands == long_commands[:4000]
+        assert estimates == long_estimates[: len(estimates)]
+        assert estimates
 
 
 def test_real_time_takes_as_long_as_the_simulated_time(tmp_path):

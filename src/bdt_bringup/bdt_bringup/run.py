@@ -2,23 +2,21 @@
 
 from typing import Any
 
-import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from bdt_bringup.installed import node_class
 from bdt_bringup.loop_state import MACHINES
 from bdt_bringup.monitor import MonitorNode
+from bdt_bringup.participant import participant
 from bdt_bringup.progress_display import ProgressDisplay
 from bdt_bringup.real_machine import RealMachine
 from bdt_bringup.run_plan import RunPlan
 from bdt_bringup.supervisor import Supervisor, raise_for_ended_node
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.folder_sync import create_folder
-from bdt_msgs_py.loop_namespace import namespace_arguments
 from bdt_msgs_py.node_parameters import ConfigurationError
 from bdt_msgs_py.output_files import not_writable
 from bdt_msgs_py.spinning import drain_messages
@@ -57,28 +55,17 @@ def run_loop(plan: RunPlan) -> float | None:
         create_folder(plan.output)
     except OSError as error:
         raise not_writable("--output", plan.output, error) from error
-    context = Context()
-    try:
-        rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
-    except RuntimeError as error:
-        raise BadInputError(" ".join(str(error).split())) from error
-    executor = SingleThreadedExecutor(context=context)
-    names = namespace_arguments(plan.configuration.namespace)
-    monitor = MonitorNode(context=context, cli_args=["--ros-args", *names])
-    executor.add_node(monitor)
-    try:
-        with StopSignals() as signals:
-            _refuse_second_loop(executor, monitor)
-            with ProgressDisplay(plan.configuration.name, plan.duration) as display:
-                if plan.processes == "single":
-                    _run_in_this_process(plan, context, executor, monitor, display, signals)
-                else:
-                    _run_in_processes(plan, executor, monitor, display, signals)
+    with (
+        participant(MonitorNode, plan.configuration.namespace) as (monitor, executor),
+        StopSignals() as signals,
+    ):
+        _refuse_second_loop(executor, monitor)
+        with ProgressDisplay(plan.configuration.name, plan.duration) as display:
+            if plan.processes == "single":
+                _run_in_this_process(plan, executor, monitor, display, signals)
+            else:
+                _run_in_processes(plan, executor, monitor, display, signals)
         return monitor.real_time_factor()
-    finally:
-        executor.shutdown()
-        monitor.destroy_node()
-        context.try_shutdown()
 
 
 def _refuse_second_loop(executor: SingleThreadedExecutor, monitor: MonitorNode) -> None:
@@ -153,7 +140,6 @@ def _follow_real_machine(
 
 def _run_in_this_process(
     plan: RunPlan,
-    context: Context,
     executor: SingleThreadedExecutor,
     monitor: MonitorNode,
     display: ProgressDisplay,
@@ -162,7 +148,7 @@ def _run_in_this_process(
     nodes: dict[str, Any] = {}
     try:
         for name in plan.nodes:
-            nodes[name] = _create_node(plan, name, context)
+            nodes[name] = _create_node(plan, name, monitor.context)
             executor.add_node(nodes[name])
         finished = nodes[PLANT_NODE].finished
         while not finished.done():

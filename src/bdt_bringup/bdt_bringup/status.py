@@ -2,17 +2,13 @@
 
 import time
 from collections.abc import Callable
+from typing import Any
 
-import rclpy
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 
 from bdt_bringup.loop_health import LoopHealth
 from bdt_bringup.loop_state import SILENCE, LoopState
-from bdt_msgs_py.command_errors import BadInputError
-from bdt_msgs_py.loop_namespace import namespace_arguments
+from bdt_bringup.participant import participant
 from bdt_msgs_py.stop_signals import StopSignals
 
 LOOK = 0.1
@@ -26,9 +22,8 @@ LONGEST = SILENCE + 2.0 * DISCOVERY
 class StatusNode(Node):
     """A node that hears how a loop is."""
 
-    def __init__(self, namespace: str, context: Context) -> None:
-        arguments = ["--ros-args", *namespace_arguments(namespace)]
-        super().__init__("status", context=context, cli_args=arguments)
+    def __init__(self, **node_arguments: Any) -> None:
+        super().__init__("status", **node_arguments)
         self.health = LoopHealth(self)
 
 
@@ -50,31 +45,18 @@ def watch_loop(namespace: str, tell: Callable[[LoopHealth], bool]) -> None:
     KeyboardInterrupt
         After Ctrl-C or SIGTERM.
     """
-    context = Context()
-    try:
-        rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
-    except RuntimeError as error:
-        raise BadInputError(" ".join(str(error).split())) from error
-    executor = SingleThreadedExecutor(context=context)
-    node = StatusNode(namespace, context)
-    executor.add_node(node)
     begin, is_told = time.monotonic(), False
-    try:
-        with StopSignals() as signals:
-            while True:
-                executor.spin_once(timeout_sec=LOOK)
-                signals.check()
-                waited = time.monotonic() - begin
-                has_heard_all = node.health.look_for_nodes() and bool(node.health.reports)
-                is_ready = waited >= (DISCOVERY if has_heard_all else LONGEST)
-                # Once ready, whoever comes later has its time to say something.
-                is_told = is_told or is_ready
-                if is_told and not tell(node.health):
-                    return
-    finally:
-        executor.shutdown()
-        node.destroy_node()
-        context.try_shutdown()
+    with participant(StatusNode, namespace) as (node, executor), StopSignals() as signals:
+        while True:
+            executor.spin_once(timeout_sec=LOOK)
+            signals.check()
+            waited = time.monotonic() - begin
+            has_heard_all = node.health.look_for_nodes() and bool(node.health.reports)
+            is_ready = waited >= (DISCOVERY if has_heard_all else LONGEST)
+            # Once ready, whoever comes later has its time to say something.
+            is_told = is_told or is_ready
+            if is_told and not tell(node.health):
+                return
 
 
 class ChangesOfState:
