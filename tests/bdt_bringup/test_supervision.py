@@ -56,7 +56,7 @@ def supervised(tmp_path, claim_domain):
 
 
 def test_controller_and_twin_of_a_lockstep_loop_are_replaced_and_the_run_ends_well(supervised):
-    run = supervised("--duration", "80", "--json")
+    run = supervised("--duration", "40", "--json")
     nodes = children(run.process.pid)
     run.kill("controller")
     run.kill("twin")
@@ -68,14 +68,14 @@ def test_controller_and_twin_of_a_lockstep_loop_are_replaced_and_the_run_ends_we
     for name in ("controller", "twin"):
         assert f"node {name}: killed by SIGKILL: is started anew in 0.25 s" in err
     summary = json.loads(out)
-    assert summary["duration_s"] == pytest.approx(80.0, abs=1e-3)
-    # The gap is 13 degrees by then: the twin has gone on with setting the dead zone for it.
-    assert summary["dead_zone_final_m"] > 2e-5
+    assert summary["duration_s"] == pytest.approx(40.0, abs=1e-3)
+    # The gap is 2.7 degrees by then: the twin has gone on with setting the dead zone for it.
+    assert summary["dead_zone_final_m"] > 6e-6
     assert not any(alive(pid) for pid in successors.values())
 
 
 def test_a_recorder_that_dies_begins_another_bag(tmp_path, supervised):
-    run = supervised("--duration", "60")
+    run = supervised("--duration", "40")
     run.kill("recorder")
     code, out, err = finished(run.process)
     assert code == 0, err
