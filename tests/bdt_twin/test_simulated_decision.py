@@ -10,20 +10,12 @@ from bdt_controller.notch import NO_NOTCH
 from bdt_controller.pid import PidGains
 from bdt_plant.plant import PlantModel
 from bdt_twin import simulated_outcome
+from bdt_twin.decision import ControllerGains, decision_values, taken_back_because
 from bdt_twin.decision_loop import simulate_steps
 from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate
 from bdt_twin.machine_knowledge import EFFECTS, first_knowledge
-from bdt_twin.simulated_decision import (
-    BETTER,
-    NARROWER,
-    SIMULATED,
-    WIDER,
-    ControllerGains,
-    SimulatedDecision,
-    decision_values,
-    taken_back_because,
-)
+from bdt_twin.simulated_decision import BETTER, NARROWER, SIMULATED, WIDER, SimulatedDecision
 
 MODEL = PlantModel()
 PITCH = MODEL.lead_screw.pitch
@@ -123,11 +115,13 @@ def test_a_loop_that_does_not_rest_as_promised_gets_eq_9_and_its_gains_back():
     taken_back = decide(one, 41.0)
     assert (taken_back.tolerance, taken_back.gains, taken_back.taken_back) == (None, TODAY, 1)
     assert "a decision was taken back: the loop has not rested" in taken_back.reason
+    assert taken_back.distrust in taken_back.reason
+    assert taken_back.distrust
     assert taken_back_because(None, taken_back) == taken_back.reason
     assert taken_back_because(taken_back, taken_back) == ""
     trusted_again = decide(one, 40.0 + PAPER.probation + 1.0)
     assert trusted_again.tolerance is not None
-    assert trusted_again.gains == TODAY
+    assert (trusted_again.gains, trusted_again.distrust) == (TODAY, "")
     one.restart()
     assert decide(one).gains == TUNED
 

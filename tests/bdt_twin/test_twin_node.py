@@ -34,9 +34,10 @@ from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_simulator import PlantSimulator
 from bdt_twin.decider import create_decider
+from bdt_twin.decision import ControllerGains, Decision
 from bdt_twin.decision_settings import DecisionSettings
+from bdt_twin.estimator import Estimate
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
-from bdt_twin.simulated_decision import ControllerGains
 from bdt_twin.twin_node import TwinNode
 
 GAP = np.deg2rad(10.0)
@@ -722,6 +723,15 @@ def test_a_twin_that_simulates_commands_what_its_core_decides_and_tells_why(ros,
     assert bench.health["decision"] == "simulate"
     assert bench.health["decision_reason"] == decisions[-1].reason
     assert bench.health["expected_bias_percent"] == 100.0 * decisions[-1].bias
+
+
+def test_a_decision_that_was_taken_back_is_a_warning_as_long_as_simulation_is_not_trusted(ros):
+    bench = Bench(ros, decision__kind="simulate")
+    assert bench.twin._health().ok
+    decision = Decision(None, None, "eq. 9, as the loop has not rested", distrust="not rested")
+    bench.twin._record.use(Estimate(1.0, 0.1), decision)
+    health = bench.twin._health()
+    assert (health.ok, health.summary) == (False, "eq. 9, as the loop has not rested")
 
 
 @pytest.mark.parametrize("name", ["pid.proportional", "notch.frequency", "redesign.integral"])

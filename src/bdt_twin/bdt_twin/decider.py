@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.plant import PlantModel
+from bdt_twin.decision import ControllerGains, Decision
 from bdt_twin.decision_loop import compiled_steps
 from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.next_fit import AcceptedFit
-from bdt_twin.simulated_decision import ControllerGains, Decision, SimulatedDecision
+from bdt_twin.simulated_decision import SimulatedDecision
 
 FloatArray = NDArray[np.float64]
 

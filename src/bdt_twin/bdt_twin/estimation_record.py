@@ -3,10 +3,10 @@
 import math
 
 from bdt_msgs_py.reading import nanoseconds_from_seconds
+from bdt_twin.decision import Decision, decision_values
 from bdt_twin.estimation_thread import Outcome
 from bdt_twin.estimator import Estimate, estimate_values
 from bdt_twin.machine_memory import MachineRecollection
-from bdt_twin.simulated_decision import Decision, decision_values
 
 
 class EstimationRecord:

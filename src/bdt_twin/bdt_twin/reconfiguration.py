@@ -1,9 +1,9 @@
 """From an estimate to a reconfiguration on its way: what node and offline loop share."""
 
 from bdt_twin.dead_zone_tolerance import DeadZoneRule
+from bdt_twin.decision import Decision
 from bdt_twin.estimator import Estimate
 from bdt_twin.link import DelayedLink, Reconfiguration
-from bdt_twin.simulated_decision import Decision
 
 
 class Reconfigurator:

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_controller.control_law import ControlLaw, discretize_control
-from bdt_controller.notch import NotchFilter
-from bdt_controller.pid import PidGains
 from bdt_plant.plant import PlantModel
 from bdt_twin.dead_zone_tolerance import tolerance_for_gap
+from bdt_twin.decision import ControllerGains, Decision
 from bdt_twin.decision_loop import Member
 from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate
@@ -38,52 +37,6 @@ BETTER = 0.9
 """Share of dead zone or settling time so far that other gains have to need at most to be taken."""
 SMALL_BIAS = 0.002
 """Bias up to which biases are alike, as a share of a step's height."""
-
-
-class ControllerGains(NamedTuple):
-    """What the controller's linear part is set to."""
-
-    pid: PidGains
-    notch: NotchFilter
-
-    def by_name(self) -> tuple[tuple[str, float], ...]:
-        """Return them by the names of the controller's parameters."""
-        parts = (("pid", self.pid), ("notch", self.notch))
-        return tuple(
-            (f"{prefix}.{name}", float(value))
-            for prefix, part in parts
-            for name, value in vars(part).items()
-        )
-
-
-class Decision(NamedTuple):
-    """What the twin has decided, why, and what it expects.
-
-    Attributes
-    ----------
-    tolerance : float or None
-        Dead-zone tolerance epsilon_dz [m]; None for that of the rule.
-    gains : ControllerGains or None
-        Gains to be set with it; None to leave them as they are.
-    reason : str
-        Why, in one line.
-    ratio : float
-        Tolerance over that of eq. 9; NaN for that of the rule.
-    bias : float
-        Largest bias expected, as a share of the height of the simulated steps; NaN for none.
-    settling : float
-        Median settling time expected [s]; NaN for none.
-    taken_back : int
-        Decisions that were taken back so far.
-    """
-
-    tolerance: float | None
-    gains: ControllerGains | None
-    reason: str
-    ratio: float = math.nan
-    bias: float = math.nan
-    settling: float = math.nan
-    taken_back: int = 0
 
 
 class _Choice(NamedTuple):
@@ -183,7 +136,7 @@ class SimulatedDecision:
             self._simulated = None
             self._watch.expect(math.inf, width)
             reason = f"eq. 9, as a decision was taken back: {self._why}"
-            return self._decision(width, None, reason)
+            return self._decision(width, None, reason)._replace(distrust=self._why)
         if self._simulated is not None and now - self._simulated[0] < self._settings.period:
             return self._decision(width, *self._simulated[1:])
         members = self._ensemble.draw(estimate, machine, soonest, latest)
@@ -281,23 +234,3 @@ class SimulatedDecision:
 
     def _law(self, gains: ControllerGains) -> ControlLaw:
         return discretize_control(gains.pid, 1.0 / self._settings.control_rate, gains.notch)
-
-
-def taken_back_because(before: Decision | None, decision: Decision | None) -> str:
-    """Return why a decision takes another one back; empty if it does not."""
-    so_far = 0 if before is None else before.taken_back
-    return decision.reason if decision is not None and decision.taken_back > so_far else ""
-
-
-def decision_values(decision: Decision | None) -> dict[str, float | int | str | None]:
-    """Return a decision as the diagnostics tell it, by name."""
-    if decision is None:
-        return {"decision": "equation_9"}
-    return {
-        "decision": "simulate",
-        "decision_reason": decision.reason,
-        "decision_ratio": decision.ratio,
-        "expected_bias_percent": 100.0 * decision.bias,
-        "expected_settling_s": decision.settling,
-        "decisions_taken_back": decision.taken_back,
-    }

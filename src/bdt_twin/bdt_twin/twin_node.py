@@ -30,15 +30,16 @@ from bdt_twin.dead_zone_delivery import DeadZoneDelivery
 from bdt_twin.dead_zone_tolerance import DeadZoneRule
 from bdt_twin.dead_zone_watch import full_name
 from bdt_twin.decider import create_decider
+from bdt_twin.decision import ControllerGains, Decision, taken_back_because
 from bdt_twin.estimation_record import EstimationRecord
 from bdt_twin.estimation_thread import EstimationThread
 from bdt_twin.estimator import Estimate
 from bdt_twin.estimator_choice import create_estimator
+from bdt_twin.gains_check import GainsCheck
 from bdt_twin.kept_state import KeptState
 from bdt_twin.link import DelayedLink
 from bdt_twin.parameters import PARAMETERS
 from bdt_twin.reconfiguration import Reconfigurator
-from bdt_twin.simulated_decision import ControllerGains, Decision, taken_back_because
 from bdt_twin.telemetry_intake import TelemetryIntake
 
 OF_THE_CONTROLLER = ("pid.", "notch.", "redesign.")
@@ -119,6 +120,12 @@ class TwinNode(Node):
         self._intake = TelemetryIntake(self, self._admission, self._estimation, self._sampling_rate)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(PROGRESS_PERIOD, self._publish_progress, clock=steady)
+        self._gains_check: GainsCheck | None = None
+        if deciding.kind == "simulate":
+            known = (today, redesign) if deciding.sets_gains else (today,)
+            self._gains_check = GainsCheck(
+                self, self._settings.controller_node, self._settings.service_timeout, known
+            )
         self._diagnostics = DiagnosticsPublisher(self, self._health)
         self.add_on_set_parameters_callback(self._check_parameters)
         self.add_post_set_parameters_callback(self._use_parameters)
@@ -252,6 +259,10 @@ class TwinNode(Node):
         is_bounded = self._settings.reconfigure and self._reconfigurator.is_bounded
         if is_bounded:
             texts.append(BOUNDED)
+        if (decision := self._record.decision) is not None and decision.distrust:
+            texts.append(decision.reason)
+        if self._gains_check is not None and self._gains_check.fault:
+            texts.append(self._gains_check.fault)
         values = {
             "estimator": self._choice.kind,
             "telemetry_sampling": str(self._estimator.sampling),

@@ -19,13 +19,13 @@ from bdt_study.simulation.closed_loop import Scenario, simulate
 from bdt_study.simulation.twin_loop import simulate_with_twin
 from bdt_twin.dead_zone_tolerance import DeadZoneSettings, tolerance_for_gap
 from bdt_twin.decider import create_decider
+from bdt_twin.decision import ControllerGains
 from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.link import LinkSettings
 from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
-from bdt_twin.simulated_decision import ControllerGains
 
 SCENARIO = Scenario(6.0, ReferenceProfile(step_time=2.0), GapProfile(growth_time=8.0))
 

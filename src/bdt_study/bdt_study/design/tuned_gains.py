@@ -5,7 +5,7 @@ A test of the design says whether they still are what comes out.
 
 from bdt_controller.notch import NO_NOTCH
 from bdt_controller.pid import PidGains
-from bdt_twin.simulated_decision import ControllerGains
+from bdt_twin.decision import ControllerGains
 
 INTEGRAL_TIME = 0.5
 """T_i = K_p / K_i for which they were designed [s]."""

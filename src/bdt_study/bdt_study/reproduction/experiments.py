@@ -16,10 +16,10 @@ from bdt_plant.plant import PlantModel
 from bdt_study.simulation.closed_loop import Scenario, Trajectory, simulate
 from bdt_study.simulation.twin_loop import DECIDED_BY_RULE, simulate_with_twin
 from bdt_twin.dead_zone_tolerance import tolerance_for_gap
+from bdt_twin.decision import ControllerGains
 from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.link import PAPER_LINK, LinkSettings
-from bdt_twin.simulated_decision import ControllerGains
 
 FloatArray = NDArray[np.float64]
 

@@ -31,12 +31,12 @@ from bdt_study.simulation.loop_kernel import SIMULATED, allocate, run_kernel
 from bdt_study.simulation.loop_model import DiscreteLoop, LoopInputs, LoopState
 from bdt_twin.dead_zone_tolerance import EQUATION_9, DeadZoneRule, DeadZoneSettings
 from bdt_twin.decider import Decider, create_decider
+from bdt_twin.decision import ControllerGains, Decision
 from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
 from bdt_twin.link import PAPER_LINK, DelayedLink, LinkSettings
 from bdt_twin.reconfiguration import Reconfigurator
-from bdt_twin.simulated_decision import ControllerGains, Decision
 
 FloatArray = NDArray[np.float64]
 
