@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bdt_bags.file_checksums import checksum_entry
+from bdt_bags.writing.file_splitting import FileSplitting
 from bdt_bags.writing.metadata_file import (
     UNFINISHED,
     FileInformation,
@@ -24,11 +25,6 @@ if TYPE_CHECKING:
 
 NEEDS = {"mcap": "mcap", "zstd": "zstandard"}
 """Python packages behind storages and compressions; a ROS 2 installation may lack them."""
-
-SMALLEST_PIECE = 1 << 16
-"""Messages between two looks at the size of a file that is to be split [byte]."""
-MESSAGE_OVERHEAD = 50
-"""What a message takes in a file besides its content, roughly [byte]."""
 
 
 class BagFiles:
@@ -82,8 +78,7 @@ class BagFiles:
         self.topics: list[TopicMetadata] = []
         self.spans: list[FileInformation] = []
         self._compression = compression
-        self._split_size = split_size
-        self._split_duration = round(split_duration * 1e9)
+        self._splitting = FileSplitting(split_size, round(split_duration * 1e9))
         self._counts: Counter[int] = Counter()
         self._waiting: list[SerializedMessage] = []
         self._in_flight: list[SerializedMessage] = []
@@ -126,9 +121,11 @@ class BagFiles:
             self._begin_file()
         self._commit_file()
         while self._waiting:
-            if self._is_full(self._waiting[0]):
+            if self._splitting.is_full(self.spans[-1], self._current.size, self._waiting[0]):
                 self.split()
-            self._in_flight = self._next_piece()
+            self._in_flight = self._splitting.next_piece(
+                self.spans[-1], self._current.size, self._waiting
+            )
             del self._waiting[: len(self._in_flight)]
             self._current.append(self._in_flight)
             self._commit_file()
@@ -262,31 +259,6 @@ class BagFiles:
             self._counts[message.topic] += 1
             self.spans[-1].add(message.received)
         self._in_flight = []
-
-    def _is_full(self, message: SerializedMessage) -> bool:
-        span = self.spans[-1]
-        if not span.message_count:
-            return False
-        if self._split_size and self._current.size >= self._split_size:
-            return True
-        return bool(self._split_duration) and message.received >= span.start + self._split_duration
-
-    def _next_piece(self) -> list[SerializedMessage]:
-        """Return what of the waiting messages goes into this file before the next look at it."""
-        waiting = self._waiting
-        if not self._split_size and not self._split_duration:
-            return waiting[:]
-        span = self.spans[-1]
-        start = span.start if span.message_count else waiting[0].received
-        end = start + self._split_duration if self._split_duration else float("inf")
-        room = max(self._split_size - self._current.size, SMALLEST_PIECE)
-        for number, message in enumerate(waiting):
-            room -= len(message.data) + MESSAGE_OVERHEAD
-            if number and message.received >= end:
-                return waiting[:number]
-            if self._split_size and room < 0:
-                return waiting[: number + 1]
-        return waiting[:]
 
     def _describe(self, custom: Mapping[str, str], file_compression: str = "") -> dict[str, Any]:
         parts = self.storage, self.topics, self._counts, self.spans, custom
