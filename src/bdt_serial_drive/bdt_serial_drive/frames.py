@@ -110,11 +110,6 @@ class FrameReader:
         del self._waiting[:position]
         return frames
 
-    def reset(self) -> None:
-        """Forget the beginning of a frame whose end will not come."""
-        self.skipped += len(self._waiting)
-        self._waiting.clear()
-
     def _length(self, begin: int) -> int | None:
         """Return how long the frame that begins here is; None while it is not complete."""
         available = len(self._waiting) - begin

@@ -21,7 +21,7 @@ from bdt_twin.simulated_outcome import SimulatedOutcome, StepTrials
 
 FloatArray = NDArray[np.float64]
 
-NARROWER = (1.0, 0.85, 0.7, 0.6)
+NARROWER = (1.0, 0.8, 0.7, 0.6)
 """Dead zones that are tried as long as they do, over that of eq. 9.
 
 None below 0.6: of random loops some fail there, because of noise and of what nobody knows of a
