@@ -59,7 +59,7 @@ CASES = {"paper": ("paper", {}), "laboratory": ("laboratory", {}), "harsh": ("la
 DIGESTS = {
     "paper": "86982255de2973a01f084118fc8da64411f8282c6bf96c5512c1ee828a9d95f0",
     "laboratory": "cf2277e56e883e2f55066d3f6919a2092155f98fc0c676df3cf17ec2c5b4a871",
-    "harsh": "3552719f2c4003bda4942da12b7554c34631b7994ecbbcdce8a3324f0baa01bd",
+    "harsh": "ab98f918fadb28f22ec0d1cc116f67ba30a52b64f2b059e38f72467a79dc3a2b",
 }
 """SHA-256 of 30 simulated seconds: voltage, position, reading, dead zone and estimates."""
 

@@ -50,7 +50,7 @@ TOO_SMALL = 2.0
 """Standard deviation of the innovations from which on the levels are made larger at first."""
 HALVINGS = 3
 """Halvings of a step that makes the fit worse, before the fit ends."""
-SMALLEST_GAIN = 0.02
+SMALLEST_GAIN = 0.1
 """Gain of log-likelihood by a step that ends the fit; a half is one standard deviation."""
 
 
