@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import os
 
 import pytest
 from rclpy.node import Node
@@ -453,3 +454,26 @@ def test_a_start_with_bad_parameters_names_parameter_value_and_what_is_allowed(
     assert says in str(caught.value)
     assert "\n" not in str(caught.value)
     ros.spin_until(lambda: watcher.get_node_names() == ["watcher"])
+
+
+def test_garbage_waits_until_the_command_is_out(ros, monkeypatch):
+    bench = Bench(ros)
+    done = []
+    monkeypatch.setattr(bench.controller._command_publisher, "publish", done.append)
+    monkeypatch.setattr(bench.controller._process, "use_slack", lambda: done.append("slack"))
+    bench.measurement.publish(platform_position(0, 0.0))
+    ros.spin_until(lambda: len(done) >= 2)
+    assert read_voltage(done[0]) == (0, DeadZoneController(PidGains(), SETTINGS).step(5e-3, 0.0))
+    assert done[1:] == ["slack"]
+
+
+def test_a_priority_that_is_refused_is_a_warning_and_the_controller_controls(ros, monkeypatch):
+    def refuse(*_):
+        raise PermissionError
+
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    bench = Bench(ros, real_time__priority=50)
+    bench.measure(0, 0.0)
+    health = bench.controller._health()
+    assert not health.ok
+    assert "real_time.priority = 50: refused" in health.summary

@@ -1,5 +1,7 @@
 """The driver node: services, topics, times, diagnostics; the controller drives a carriage."""
 
+import os
+
 import numpy as np
 import pytest
 from rail_drive import MADE
@@ -193,3 +195,29 @@ def test_its_diagnostics_have_a_state(peer):
     peer.ros.spin_until(lambda: heard)
     values = {pair.key: pair.value for pair in heard[0].status[0].values}
     assert values["state"] == "open"
+
+
+def test_garbage_waits_until_the_command_is_applied(peer, monkeypatch):
+    done = []
+    monkeypatch.setattr(peer.node._process, "use_slack", lambda: done.append("slack"))
+    peer.ros.spin_until(lambda: done)  # nobody commands: after the reading
+    peer.call("arm")
+    peer.ros.spin_until(peer.measurements)
+    done.clear()
+    monkeypatch.setattr(peer.node._loop, "command", lambda *_: done.append("command"))
+    peer.answer(5.0)
+    peer.ros.spin_until(lambda: "command" in done)
+    assert done[done.index("command") + 1] == "slack"
+
+
+def test_a_priority_that_is_refused_is_a_warning_and_the_drive_is_driven(ros, monkeypatch):
+    def refuse(*_):
+        raise PermissionError
+
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    peer = Peer(ros, real_time__priority=50)
+    peer.ros.spin_until(lambda: "read" in peer.drive.calls)
+    health = peer.node._health()
+    assert not health.ok
+    assert "real_time.priority = 50: refused" in health.summary
+    assert peer.call("arm").success

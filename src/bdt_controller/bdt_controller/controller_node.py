@@ -29,6 +29,7 @@ from bdt_msgs_py.node_parameters import (
     rejected,
 )
 from bdt_msgs_py.qos import publisher_profile, qos_profile
+from bdt_msgs_py.real_time import RealTimeProcess
 from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.topics import (
     COMMAND,
@@ -56,9 +57,14 @@ class ControllerNode(Node):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(CONTROLLER_NODE, **node_arguments)
-        self._settings, self._gains, self._notch, self._reference, self._plausible = declare_all(
-            self, PARAMETERS
-        )
+        (
+            self._settings,
+            self._gains,
+            self._notch,
+            self._reference,
+            self._plausible,
+            real_time,
+        ) = declare_all(self, PARAMETERS)
         self._controller = DeadZoneController(self._gains, self._settings, self._notch)
         self._period = round(1e9 / self._settings.control_rate)
         self._missed = self._restarts = self._reported_troubles = 0
@@ -91,6 +97,7 @@ class ControllerNode(Node):
         self._diagnostics = DiagnosticsPublisher(self, self._health)
         self.add_on_set_parameters_callback(self._check_parameters)
         self.add_post_set_parameters_callback(self._use_parameters)
+        self._process = RealTimeProcess(real_time, self.get_logger().warning)
 
     def _reset(self) -> None:
         self._controller.reset()
@@ -120,6 +127,7 @@ class ControllerNode(Node):
         if verdict is not None and (verdict is not Verdict.REPEAT or self._last_stamp < 0):
             self._advance(stamp, position, begins=verdict is Verdict.BEGIN)
         self._command_publisher.publish(motor_voltage(stamp, self._voltage, self._source))
+        self._process.use_slack()
 
     def _advance(self, stamp: int, position: float, *, begins: bool) -> None:
         if begins and self._last_stamp >= 0:
@@ -205,7 +213,7 @@ class ControllerNode(Node):
 
     def _health(self) -> Health:
         troubles = self._missed + self._restarts
-        texts = []
+        texts = list(self._process.refusals)
         if troubles > self._reported_troubles:
             texts.append("measurements missing or begun anew")
         if self._stand_by.is_on:

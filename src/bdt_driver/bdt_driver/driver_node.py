@@ -23,6 +23,7 @@ from bdt_msgs_py.message_checks import check_command
 from bdt_msgs_py.node_main import run_node
 from bdt_msgs_py.node_parameters import ConfigurationError, declare_all, declare_options
 from bdt_msgs_py.qos import publisher_profile, qos_profile
+from bdt_msgs_py.real_time import RealTimeProcess
 from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.topics import COMMAND, DRIVER_NODE, MEASUREMENT, TELEMETRY, TELEMETRY_COLUMNS
 from bdt_msgs_py.writing import platform_position, sample_message
@@ -49,7 +50,7 @@ class DriverNode(Node):
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(DRIVER_NODE, **node_arguments)
         options = declare_options(self, "drive")
-        self._settings, limits = declare_all(self, PARAMETERS)
+        self._settings, limits, real_time = declare_all(self, PARAMETERS)
         self._measurement = self.create_publisher(
             JointState, MEASUREMENT.name, publisher_profile(MEASUREMENT)
         )
@@ -91,6 +92,7 @@ class DriverNode(Node):
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / self._settings.control_rate, self._tick, clock=steady)
         self._open()
+        self._process = RealTimeProcess(real_time, self.get_logger().warning)
 
     def _open(self) -> None:
         try:
@@ -110,6 +112,8 @@ class DriverNode(Node):
         if read is not None:
             self._publish(read)
         self._tell_fault()
+        if not self._loop.is_engaged:
+            self._process.use_slack()  # else once the command has come
 
     def _publish(self, read: NumberedReading) -> None:
         if self._first_stamp is None:
@@ -139,6 +143,7 @@ class DriverNode(Node):
         if is_new:
             self._loop.command(command.voltage, time.monotonic())
             self._tell_fault()
+            self._process.use_slack()
 
     # States --------------------------------------------------------------------------------
 
@@ -183,6 +188,7 @@ class DriverNode(Node):
     def _health(self) -> Health:
         loop = self._loop
         texts = [loop.fault or self._late_call] if loop.fault or self._late_call else []
+        texts += self._process.refusals
         if loop.state is State.ARMED and not loop.is_engaged:
             texts.append("armed, and no commands come")
         troubles = loop.missed + loop.silences + loop.unreadable + loop.limited

@@ -102,7 +102,7 @@ def _settings(driver: str, given: Mapping[str, Any]) -> tuple[Any, Any, dict[str
     own = {name: value for name, value in given.items() if not name.startswith(OPTION_PREFIX)}
     values = checked_parameters("-p", {**own, "driver": driver}, PARAMETERS, for_all=False)
     try:
-        settings, limits = parameter_sets(PARAMETERS, values)
+        settings, limits, _ = parameter_sets(PARAMETERS, values)
     except ValueError as error:
         raise BadInputError(in_parameter_names(str(error), PARAMETERS)) from error
     return settings, limits, arguments
