@@ -1,6 +1,9 @@
 """Logging: what is written, where, and when not."""
 
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 import rclpy.logging
@@ -190,3 +193,17 @@ def test_a_filter_does_not_count_what_the_level_stops(logger):
     logger.set_level(LoggingSeverity.DEBUG)
     assert log()
     assert not log()
+
+
+def test_a_log_that_cannot_be_written_ends_nobody():
+    program = (
+        "import rclpy.logging\n"
+        "for _ in range(1000): rclpy.logging.get_logger('talker').warning('words ' * 20)\n"
+        "print('goes on')"
+    )
+    command = [sys.executable, "-c", program]
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        done = subprocess.run(
+            command, check=False, stdout=subprocess.PIPE, stderr=full, text=True, timeout=60
+        )
+    assert done.stdout == "goes on\n"

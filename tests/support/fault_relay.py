@@ -3,11 +3,13 @@
 import math
 import random
 import time
-from collections import deque
+from collections import Counter, deque
+from functools import partial
 
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
@@ -37,6 +39,8 @@ class FaultRelay(Node):
     ----------
     now : float
         Simulated time by the newest measurement that was sent [s].
+    said : dict of str to Counter of bytes
+        How often each message was passed on, by topic name.
     """
 
     def __init__(self, schedule, **node_arguments):
@@ -48,18 +52,24 @@ class FaultRelay(Node):
         self._held, self._late = {}, deque()
         self._ways = {}
         self.now = 0.0
+        self.said = {topic.name: Counter() for topic, _, _ in CHANNELS.values()}
         for name, (topic, kind, source) in CHANNELS.items():
             publisher = self.create_publisher(kind, topic.name, publisher_profile(topic))
-            self._ways[name] = publisher
+            self._ways[name] = partial(self._say, publisher, self.said[topic.name])
             self.create_subscription(
                 kind, source, lambda m, name=name: self._relay(name, m), qos_profile(topic)
             )
         self.create_timer(0.01, self._send_late, clock=RosClock(clock_type=ClockType.STEADY_TIME))
 
+    @staticmethod
+    def _say(publisher, said, message):
+        said[bytes(serialize_message(message))] += 1
+        publisher.publish(message)
+
     def _relay(self, name, message):
         if name == "measurement":
             self.now = max(self.now, nanoseconds_from_stamp(message.header.stamp) * 1e-9)
-        send = self._ways[name].publish
+        send = self._ways[name]
         for fault in self._faults[name]:
             if fault.time <= self.now < fault.end and self._draw.random() < fault.share:
                 self._spoil(name, fault.kind, message)
@@ -70,10 +80,10 @@ class FaultRelay(Node):
     def _send_held(self, name):
         if name in self._held:
             _, held = self._held.pop(name)
-            self._ways[name].publish(held)
+            self._ways[name](held)
 
     def _spoil(self, name, kind, message):
-        send = self._ways[name].publish
+        send = self._ways[name]
         if kind == "duplicate":
             send(message)
             send(message)
@@ -93,7 +103,7 @@ class FaultRelay(Node):
     def _send_late(self):
         while self._late and self._late[0][0] <= time.monotonic():
             _, name, message = self._late.popleft()
-            self._ways[name].publish(message)
+            self._ways[name](message)
         # Nobody may send a next one before this one has come.
         for name in [name for name, (due, _) in self._held.items() if due <= time.monotonic()]:
             self._send_held(name)

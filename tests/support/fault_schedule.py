@@ -4,15 +4,18 @@ import random
 from collections.abc import Callable
 from typing import NamedTuple
 
-NODES = ("controller", "twin")
+NODES = ("controller", "twin", "recorder")
+WRITERS = ("twin", "recorder")
+"""Nodes that write files."""
 CHANNELS = ("measurement", "command", "telemetry", "clock")
 MESSAGE_FAULTS = ("loss", "duplicate", "delay", "reorder", "nan", "step")
-KINDS = ("kill", "stop", "hostile", *MESSAGE_FAULTS)
+KINDS = ("kill", "stop", "hostile", "full", *MESSAGE_FAULTS)
+"""What goes wrong: with nodes, the last of it a full disk, and with messages."""
 
 FIRST, LAST = 1.0, 6.0
 """Simulated time between which faults begin [s]."""
 LONGEST = 1.5
-"""Time for which a fault lasts at most [s]: of a stopped node by the wall clock."""
+"""Time for which a fault lasts at most [s]: of a stopped node and a full disk by the wall clock."""
 
 
 class Fault(NamedTuple):
@@ -58,8 +61,9 @@ def schedule_of(seed: int) -> Schedule:
     for _ in range(draw.randint(1, 4)):
         kind = draw.choice(KINDS)
         channels = {"step": ("clock",), "nan": CHANNELS[:3]}.get(kind, CHANNELS)
-        target = draw.choice(channels if kind in MESSAGE_FAULTS else NODES)
-        lasts = kind == "stop" or kind in MESSAGE_FAULTS
+        nodes = WRITERS if kind == "full" else NODES
+        target = draw.choice(channels if kind in MESSAGE_FAULTS else nodes)
+        lasts = kind in ("stop", "full", *MESSAGE_FAULTS)
         faults.append(
             Fault(
                 round(draw.uniform(FIRST, LAST), 2),

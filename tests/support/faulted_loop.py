@@ -1,6 +1,8 @@
 """A loop of real processes under a schedule of faults, and the judgment of how it stood them."""
 
 import os
+import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,6 +16,7 @@ import numpy as np
 import rclpy
 from fault_relay import CHANNELS, FaultRelay
 from fault_schedule import LAST, LONGEST
+from judged_bags import lost_by_recorder, wrong_with_bag
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.context import Context
@@ -45,6 +48,7 @@ GAP, STEP_TIME, DELAY = 0.2, 4.0, 0.3
 MODULES = {
     "controller": "bdt_controller.controller_node",
     "twin": "bdt_twin.twin_node",
+    "recorder": "bdt_bags.recorder.recorder_node",
     "plant": "bdt_plant.plant_node",
 }
 PARAMETERS = {
@@ -54,7 +58,7 @@ PARAMETERS = {
         f"duration:={DURATION}",
         "gap.kind:=constant",
         f"gap.initial:={GAP}",
-        "lockstep_followers:=[twin]",
+        "lockstep_followers:=[twin,recorder]",
         f"lockstep_timeout:={LOCKSTEP_TIMEOUT}",
         # Each lost measurement and command costs it in wall time.
         "resend_period:=0.02",
@@ -62,7 +66,6 @@ PARAMETERS = {
 }
 RENAMED = {
     "controller": ("command",),
-    "twin": (),
     "plant": ("measurement", "telemetry", "clock"),
 }
 """What each node sends through the relay."""
@@ -111,7 +114,7 @@ def undisturbed():
 
 
 class FaultedLoop:
-    """Plant, controller and twin as processes around a relay.
+    """Plant, controller, twin and recorder as processes around a relay.
 
     Parameters
     ----------
@@ -131,11 +134,12 @@ class FaultedLoop:
         self._executor.add_node(self._relay)
         topic, kind, source = CHANNELS["telemetry"]
         self._rows, self._running, self._lives = [], {}, 0
+        self._bags = []
         self._relay.create_subscription(
             kind, source, lambda m: self._rows.append(check_telemetry_times(m)), qos_profile(topic)
         )
-        self._due = sorted(one for one in schedule if one.kind in ("kill", "stop", "hostile"))
-        self._paused = []
+        self._due = sorted(one for one in schedule if one.target in MODULES)
+        self._passing = []
 
     def judge(self):
         """Run the loop to its end and return the verdict."""
@@ -154,19 +158,34 @@ class FaultedLoop:
                         return Verdict("failed", f"{name} has ended: {self._said()}")
             for _ in range(50):
                 self._executor.spin_once(timeout_sec=0.01)
-            return self._verdict(plant.returncode)
+            code = self._stop_recorder()
+            if code != 0:
+                return Verdict("failed", f"the recorder ended with {code}: {self._said()}")
+            wrong = self._wrong_with_bags()
+            return Verdict("failed", wrong) if wrong else self._verdict(plant.returncode)
         finally:
             self._end()
 
     def _start(self, name):
-        rules = [word for one in RENAMED[name] for word in ("-r", f"{topic_of(one)}:=/sent/{one}")]
-        options = [word for one in PARAMETERS[name] for word in ("-p", one)]
-        command = [sys.executable, "-m", MODULES[name], "--ros-args", *rules, *options]
         self._lives += 1
+        renamed = RENAMED.get(name, ())
+        rules = [word for one in renamed for word in ("-r", f"{topic_of(one)}:=/sent/{one}")]
+        parameters = (*PARAMETERS.get(name, ()), *self._files_of(name))
+        options = [word for one in parameters for word in ("-p", one)]
+        command = [sys.executable, "-m", MODULES[name], "--ros-args", *rules, *options]
         with (self._folder / f"{self._lives}-{name}.log").open("wb") as log:
             self._running[name] = subprocess.Popen(
                 command, stdout=log, stderr=log, env=self._environment
             )
+
+    def _files_of(self, name):
+        """Return the parameters that name the files of a node; each recorder has its own bag."""
+        if name == "twin":
+            return (f"state_file:={self._folder / 'twin.json'}",)
+        if name == "recorder":
+            self._bags.append(self._folder / f"bag-{self._lives}")
+            return (f"bag:={self._bags[-1]}",)
+        return ()
 
     def _disturb(self):
         while self._due and self._due[0].time <= self._relay.now:
@@ -178,13 +197,17 @@ class FaultedLoop:
                 self._start(fault.target)
             elif fault.kind == "stop":
                 process.send_signal(signal.SIGSTOP)
-                self._paused.append((time.monotonic() + fault.duration, process))
+                self._passing.append((time.monotonic() + fault.duration, continue_, process))
+            elif fault.kind == "full":
+                limit_files(process, self._largest_file(fault.target))
+                self._passing.append((time.monotonic() + fault.duration, limit_files, process))
             else:
                 self._ask(fault.target)
-        for due, process in self._paused[:]:
+        for passing in self._passing[:]:
+            due, undo, process = passing
             if due <= time.monotonic():
-                self._paused.remove((due, process))
-                process.send_signal(signal.SIGCONT)
+                self._passing.remove(passing)
+                undo(process)
 
     def _ask(self, name):
         client = self._relay.create_client(SetParameters, f"/{name}/set_parameters")
@@ -192,6 +215,29 @@ class FaultedLoop:
             value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=number)
             request = SetParameters.Request(parameters=[Parameter(name=parameter, value=value)])
             client.call_async(request)
+
+    def _largest_file(self, name):
+        """Return the size [byte] beyond which no file of a node can grow on a disk that is full."""
+        files = self._bags[-1].glob("*") if name == "recorder" else ()
+        return max((file.stat().st_size for file in files), default=0)
+
+    def _stop_recorder(self):
+        """Have what was said last recorded, and end the recorder; return its exit code."""
+        for _, undo, process in self._passing:
+            undo(process)
+        recorder = self._running["recorder"]
+        recorder.send_signal(signal.SIGINT)
+        return recorder.wait(DEADLINE)
+
+    def _wrong_with_bags(self):
+        for bag in self._bags:
+            was_killed = bag is not self._bags[-1]
+            wrong = wrong_with_bag(bag, self._relay.said, was_killed=was_killed)
+            if wrong:
+                return wrong
+        if any(fault.target == "recorder" for fault in self._schedule):
+            return ""
+        return lost_by_recorder(self._bags[-1], self._relay.said)
 
     def _verdict(self, code):
         said = self._said()
@@ -225,9 +271,18 @@ class FaultedLoop:
         self._executor.shutdown()
         self._relay.destroy_node()
         self._context.try_shutdown()
-        for log in self._folder.iterdir():
-            log.unlink()
-        self._folder.rmdir()
+        shutil.rmtree(self._folder)
+
+
+def continue_(process):
+    """Let a stopped process go on."""
+    process.send_signal(signal.SIGCONT)
+
+
+def limit_files(process, size=resource.RLIM_INFINITY):
+    """Let no file that a process writes become larger [byte], as on a disk that is full."""
+    if process.poll() is None:
+        resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
 
 
 def topic_of(name):

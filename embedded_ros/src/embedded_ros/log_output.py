@@ -1,5 +1,6 @@
 """Where log messages go: standard error and ``/rosout``; and the levels that let them pass."""
 
+import contextlib
 import os
 import re
 import sys
@@ -101,9 +102,11 @@ def output(record: Record) -> None:
         line = _formatted(record, now)
         if _is_colored():
             line = f"\033[{_COLORS.get(record.severity, '0')}m{line}\033[0m"
-        # One write a line: other processes may write to the same terminal.
-        sys.stderr.write(f"{line}\n")
-        sys.stderr.flush()
+        # A disk that is full is nothing that a node should end of: rcutils does not look, either.
+        with contextlib.suppress(OSError):
+            # One write a line: other processes may write to the same terminal.
+            sys.stderr.write(f"{line}\n")
+            sys.stderr.flush()
     name = record.name
     while name:
         for sink in tuple(_sinks.get(name, ())):
