@@ -25,7 +25,11 @@ TINY = BenchmarkSize(
 FIELDS = {"name", "value", "unit", "reference", "reference_value", "ratio"}
 
 
-WITH_PROCESSES = ("bdt_study.benchmarks.transport", "bdt_study.benchmarks.program")
+WITH_PROCESSES = (
+    "bdt_study.benchmarks.transport",
+    "bdt_study.benchmarks.program",
+    "bdt_study.benchmarks.real_time",
+)
 OFFLINE = [x for x, function in BENCHMARKS.items() if function.__module__ not in WITH_PROCESSES]
 
 

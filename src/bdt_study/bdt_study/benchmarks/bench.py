@@ -22,6 +22,7 @@ from bdt_plant.plant import PlantModel, Sampling
 from bdt_study.benchmarks.c_loop import FLAGS, KEPT, NoCompilerError, build_c_loop, c_loop_call
 from bdt_study.benchmarks.program import bdt_help, lockstep_real_time_factor
 from bdt_study.benchmarks.python_control_loop import interconnected_loop, step_response
+from bdt_study.benchmarks.real_time import real_time
 from bdt_study.benchmarks.result import BenchmarkResult, BenchmarkSize, compared
 from bdt_study.benchmarks.transport import (
     discovery,
@@ -211,6 +212,7 @@ BENCHMARKS: dict[str, Callable[[BenchmarkSize], list[BenchmarkResult]]] = {
         control_step,
         pingpong_vs_raw,
         lockstep_real_time_factor,
+        real_time,
         one_way_joint_state,
         one_way_6kb,
         discovery,

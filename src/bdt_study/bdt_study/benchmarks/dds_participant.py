@@ -1,4 +1,4 @@
-"""The floor of the transport benchmarks: the same ping-pong with bytes straight to Cyclone DDS.
+"""The floor of transport and real time: the same ping-pong with bytes straight to Cyclone DDS.
 
 No messages, no executor, no nodes: a wait, a take and a write. It runs where the Python package
 ``cyclonedds`` is installed.
@@ -20,6 +20,9 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
+from bdt_msgs_py.real_time import enter_real_time
+from bdt_study.benchmarks.paced_timer import periods, real_time_settings, report
+
 ANY_STATE = 0x7F
 PAYLOAD_SIZE = 80
 """Bytes of the payload, about those of a JointState."""
@@ -34,6 +37,10 @@ class Payload(IdlStruct, typename="bdt_bench::Payload"):
     """Nothing but bytes."""
 
     data: sequence[uint8]  # type: ignore[type-arg]
+
+
+HEAD = Payload([0] * PAYLOAD_SIZE).serialize()[:-PAYLOAD_SIZE]  # type: ignore[arg-type]
+"""What stands before the bytes: the encoding, and their number."""
 
 
 class Endpoints:
@@ -70,16 +77,26 @@ class Endpoints:
 
 
 def main() -> None:
-    """Run ``ping DOMAIN COUNT`` or ``echo DOMAIN``."""
+    """Run ``echo DOMAIN [PRIORITY]`` and with it ``ping DOMAIN COUNT``, or another end.
+
+    That is ``paced DOMAIN RATE SECONDS PRIORITY``.
+    """
     role, domain, *numbers = sys.argv[1:]
     if role == "echo":
         link = Endpoints(int(domain), "raw_pong", "raw_ping")
+        enter_real_time(real_time_settings(int(numbers[0]) if numbers else 0))
         print("ready", flush=True)
         while True:
             payload = link.take()
             if payload:
                 link.write(payload)
-    ping(Endpoints(int(domain), "raw_ping", "raw_pong"), int(numbers[0]))
+    link = Endpoints(int(domain), "raw_ping", "raw_pong")
+    while not link.matched():
+        time.sleep(0.001)
+    if role == "paced":
+        paced(link, float(numbers[0]), float(numbers[1]), int(numbers[2]))
+    else:
+        ping(link, int(numbers[0]))
 
 
 def ping(link: Endpoints, count: int) -> None:
@@ -87,23 +104,36 @@ def ping(link: Endpoints, count: int) -> None:
 
     One end may know the other before the other knows it: the first answers then go nowhere.
     """
-    while not link.matched():
-        time.sleep(0.001)
-    head = Payload([0] * PAYLOAD_SIZE).serialize()[:-PAYLOAD_SIZE]  # type: ignore[arg-type]
-    rest = bytes(PAYLOAD_SIZE - NUMBER_SIZE)
     begun = cpu = 0.0
     for number in range(count // 10 + count):
         if number == count // 10:
             begun, cpu = time.perf_counter(), time.process_time()
-        payload = head + number.to_bytes(NUMBER_SIZE, "little") + rest
-        answer = b""
-        while answer != payload:
-            # Only silence asks for it again: an echo that came twice is none of this one.
-            if not answer:
-                link.write(payload)
-            answer = link.take()
+        exchange(link, number)
     report = {"seconds": time.perf_counter() - begun, "cpu": time.process_time() - cpu}
     print(json.dumps(report), flush=True)
+
+
+def paced(link: Endpoints, rate: float, seconds: float, priority: int) -> None:
+    """Send bytes at a rate [Hz] for a time [s], and print how long each echo took."""
+    exchange(link, 0)
+    refusals = enter_real_time(real_time_settings(priority))
+    times = []
+    for number, _ in enumerate(periods(rate, seconds), 1):
+        begun = time.monotonic_ns()
+        exchange(link, number)
+        times.append(time.monotonic_ns() - begun)
+    report(times, refusals)
+
+
+def exchange(link: Endpoints, number: int) -> None:
+    """Send bytes with a number, and wait for their echo."""
+    payload = HEAD + number.to_bytes(NUMBER_SIZE, "little") + bytes(PAYLOAD_SIZE - NUMBER_SIZE)
+    answer = b""
+    while answer != payload:
+        # Only silence asks for it again: an echo that came twice is none of this one.
+        if not answer:
+            link.write(payload)
+        answer = link.take()
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import cast
+from typing import Any, cast
 
 from bdt_msgs_py.command_errors import LoopError
 from bdt_msgs_py.process_end import ProcessEnd
@@ -95,7 +95,7 @@ def peer(
             ProcessEnd(process, STOP_DEADLINES).wait()
 
 
-def result(process: "subprocess.Popen[str]") -> dict[str, float]:
+def result(process: "subprocess.Popen[str]") -> dict[str, Any]:
     """Return the numbers that an end of a benchmark prints.
 
     Raises
@@ -103,7 +103,7 @@ def result(process: "subprocess.Popen[str]") -> dict[str, float]:
     ProcessError
         If it ends, or has to be ended, without them.
     """
-    numbers: dict[str, float] = json.loads(_line(process, TIMEOUT))
+    numbers: dict[str, Any] = json.loads(_line(process, TIMEOUT))
     return numbers
 
 

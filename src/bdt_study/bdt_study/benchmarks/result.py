@@ -21,6 +21,8 @@ class BenchmarkSize:
         Number of messages of a transport benchmark.
     loop_duration : float
         Simulated time of the loop of the nodes [s].
+    real_time_duration : float
+        Time of each loop in real time [s].
     """
 
     duration: float = 120.0
@@ -29,6 +31,7 @@ class BenchmarkSize:
     batch: int = 16
     messages: int = 10000
     loop_duration: float = 20.0
+    real_time_duration: float = 10.0
 
 
 @dataclass(frozen=True)

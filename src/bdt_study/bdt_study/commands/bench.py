@@ -3,11 +3,23 @@
 import json
 from argparse import ArgumentParser, Namespace
 
+from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.commands import Command
+from bdt_study.benchmarks.result import BenchmarkSize
+
+SHORTEST, LONGEST = 1.0, 86400.0
+"""Times for which a loop in real time is measured [s]."""
 
 
 def _add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("names", nargs="*", metavar="NAME", help="benchmarks (default: all)")
+    parser.add_argument(
+        "--duration",
+        type=float,
+        default=BenchmarkSize.real_time_duration,
+        metavar="S",
+        help="of each loop of real_time [s] (default: %(default)g)",
+    )
     parser.add_argument("--json", action="store_true", help="print the results as JSON")
 
 
@@ -18,7 +30,12 @@ def _bench(options: Namespace) -> int:
     from bdt_study.benchmarks.bench import run_benchmarks  # noqa: PLC0415
     from bdt_study.benchmarks.bench_table import bench_table  # noqa: PLC0415
 
-    measured = run_benchmarks(options.names)
+    if not SHORTEST <= options.duration <= LONGEST:
+        raise BadInputError(
+            f"--duration {options.duration!r} s: must be {SHORTEST:g} to {LONGEST:g}"
+        )
+    size = BenchmarkSize(real_time_duration=options.duration)
+    measured = run_benchmarks(options.names, size)
     if options.json:
         print(json.dumps(measured, indent=2))
     else:
