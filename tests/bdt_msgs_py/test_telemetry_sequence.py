@@ -65,6 +65,13 @@ def test_a_batch_that_is_held_back_is_a_stray_when_the_run_goes_on_before_it(seq
     assert sequence.admit(batch(10.2), 100.0).stray is None
 
 
+def test_a_batch_that_has_overtaken_the_one_before_it_takes_its_place_behind_it(sequence):
+    assert sequence.admit(batch(10.2), 0.0) == Admitted([])
+    admitted = sequence.admit(batch(10.1), 0.0)
+    assert (begins(admitted), admitted.begins, admitted.stray) == ([10.1, 10.2], False, None)
+    assert begins(sequence.admit(batch(10.3), 0.0)) == [10.3]
+
+
 def test_the_first_batch_is_one_of_the_time_that_is_known():
     sequence = TelemetrySequence()
     with pytest.raises(MessageRejectedError, match="batch from 100 s: is far from the time"):

@@ -27,8 +27,8 @@ class Admitted(NamedTuple):
     Attributes
     ----------
     batches : list of ndarray, shape (n, 3)
-        One batch in most cases; with the one before it when that turns out to be no stray; none
-        while it is unknown.
+        One batch in most cases; with the one that came before it when that turns out to be no
+        stray, in the order of their times; none while it is unknown.
     begins : bool
         Whether they begin another run.
     stray : MessageRejectedError or None
@@ -108,9 +108,11 @@ class TelemetrySequence:
             is_expected = self._is_next(self._end, begin) or self._hole_before(begin) is not None
             is_another_run = begin <= self._end and self._clock_went_back
             is_hole = _is_after(self._end, begin)
-        if is_expected or is_another_run:
-            return self._admit([rows], now, self._stray())
         held, is_silent = self._held, now - self._admitted_at >= SILENCE
+        if is_expected or is_another_run:
+            if held is not None and self._is_next(float(rows[-1, 0]), float(held[0, 0])):
+                return self._admit([rows, held], now)  # it has overtaken this one
+            return self._admit([rows], now, self._stray())
         if held is not None and is_silent and _is_after(float(held[-1, 0]), begin):
             return self._admit([held, rows], now)
         stray = self._stray()
