@@ -16,9 +16,9 @@ from fault_schedule import (
     schedule_of,
     shrunk,
 )
-from faulted_loop import judge
 from hypothesis import given
 from hypothesis import strategies as st
+from lockstep_loop import LockstepLoop
 
 from bdt_msgs_py.message_checks import check_position, check_telemetry_times, check_telemetry_values
 from bdt_msgs_py.rejection import MessageRejectedError
@@ -32,7 +32,7 @@ SHORT = ("1.5 loss command 0.5 0.3; 2 hostile twin 0 1; 2.5 kill controller 0 1;
 def test_a_loop_is_back_to_what_it_is_without_faults_ten_seconds_after_the_last_one(
     line, claim_domain
 ):
-    verdict = judge(schedule_from(line), claim_domain())
+    verdict = LockstepLoop(schedule_from(line), claim_domain()).judge()
     replay = f'python tests/faults/soak.py --schedule "{line}"'
     assert verdict.outcome == "recovered", f"{verdict.reason}: {replay}"
 

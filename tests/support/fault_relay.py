@@ -38,7 +38,9 @@ class FaultRelay(Node):
     Attributes
     ----------
     now : float
-        Simulated time by the newest measurement that was sent [s].
+        Time by the newest measurement that was sent [s], since the first one.
+    origin : float
+        Time of the first one [s].
     said : dict of str to Counter of bytes
         How often each message was passed on, by topic name.
     """
@@ -51,7 +53,7 @@ class FaultRelay(Node):
         self._draw = random.Random(str(schedule))  # noqa: S311
         self._held, self._late = {}, deque()
         self._ways = {}
-        self.now = 0.0
+        self.now, self.origin = 0.0, None
         self.said = {topic.name: Counter() for topic, _, _ in CHANNELS.values()}
         for name, (topic, kind, source) in CHANNELS.items():
             publisher = self.create_publisher(kind, topic.name, publisher_profile(topic))
@@ -68,7 +70,9 @@ class FaultRelay(Node):
 
     def _relay(self, name, message):
         if name == "measurement":
-            self.now = max(self.now, nanoseconds_from_stamp(message.header.stamp) * 1e-9)
+            stamp = nanoseconds_from_stamp(message.header.stamp) * 1e-9
+            self.origin = stamp if self.origin is None else self.origin
+            self.now = max(self.now, stamp - self.origin)
         send = self._ways[name]
         for fault in self._faults[name]:
             if fault.time <= self.now < fault.end and self._draw.random() < fault.share:

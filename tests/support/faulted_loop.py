@@ -1,4 +1,4 @@
-"""A loop of real processes under a schedule of faults, and the judgment of how it stood them."""
+"""A loop of real processes under a schedule of faults: what goes wrong with nodes and files."""
 
 import os
 import resource
@@ -8,67 +8,24 @@ import subprocess
 import sys
 import tempfile
 import time
-from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import rclpy
 from fault_relay import CHANNELS, FaultRelay
-from fault_schedule import LAST, LONGEST
 from judged_bags import lost_by_recorder, wrong_with_bag
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 
-from bdt_controller.reference import ReferenceProfile
 from bdt_msgs_py.message_checks import check_telemetry_times
 from bdt_msgs_py.qos import qos_profile
-from bdt_plant.gap_profile import GapProfile
-from bdt_plant.plant import PlantModel
-from bdt_study.simulation.closed_loop import Scenario
-from bdt_study.simulation.twin_loop import simulate_with_twin
-from bdt_twin.dead_zone_tolerance import EQUATION_9
-from bdt_twin.inverse_filter import InverseFilterEstimator, InverseFilterSettings
-from bdt_twin.link import LinkSettings
 
 RECOVERY = 10.0
-"""Simulated time after the last fault in which a loop is back to what it is without faults [s]."""
-JUDGED = 4.0
-"""Simulated time for which it is compared then [s]: a step."""
-DURATION = LAST + LONGEST + RECOVERY + JUDGED
-TOLERANCE = 3e-4
-"""Distance of the position to that without faults [m]: a controller that is new, or that has
-waited, goes through its dead zone with another integral; 6 % of a step."""
-LOCKSTEP_TIMEOUT = 8.0
-DEADLINE = 120.0
-GAP, STEP_TIME, DELAY = 0.2, 4.0, 0.3
-
-MODULES = {
-    "controller": "bdt_controller.controller_node",
-    "twin": "bdt_twin.twin_node",
-    "recorder": "bdt_bags.recorder.recorder_node",
-    "plant": "bdt_plant.plant_node",
-}
-PARAMETERS = {
-    "controller": ("use_sim_time:=true", f"reference.step_time:={STEP_TIME}"),
-    "twin": ("use_sim_time:=true", f"communication_delay:={DELAY}", "service_timeout:=0.5"),
-    "plant": (
-        f"duration:={DURATION}",
-        "gap.kind:=constant",
-        f"gap.initial:={GAP}",
-        "lockstep_followers:=[twin,recorder]",
-        f"lockstep_timeout:={LOCKSTEP_TIMEOUT}",
-        # Each lost measurement and command costs it in wall time.
-        "resend_period:=0.02",
-    ),
-}
-RENAMED = {
-    "controller": ("command",),
-    "plant": ("measurement", "telemetry", "clock"),
-}
-"""What each node sends through the relay."""
+"""Time after the last fault in which a loop is back to what it is without faults [s]."""
+DEADLINE = 300.0
 HOSTILE = (
     ("dead_zone_tolerance", float("nan")),
     ("dead_zone_tolerance", -1.0),
@@ -98,34 +55,40 @@ class Verdict(NamedTuple):
     reason: str
 
 
-@cache
-def undisturbed():
-    """Return times [s] and positions [m] of the loop without faults, from the cores alone."""
-    scenario = Scenario(
-        DURATION,
-        ReferenceProfile(step_time=STEP_TIME),
-        GapProfile(kind="constant", initial=GAP),
-    )
-    estimator = InverseFilterEstimator(PlantModel(), InverseFilterSettings())
-    run = simulate_with_twin(
-        scenario, estimator, LinkSettings(communication_delay=DELAY), EQUATION_9
-    )
-    return run.loop.t, run.loop.q3
+class LoopNode(NamedTuple):
+    """A node of the loop.
+
+    Attributes
+    ----------
+    module : str
+        Python module with its ``main``.
+    parameters : tuple of str
+        Its parameters, as ``name:=value``.
+    relayed : tuple of str
+        Channels that it sends on, and that go through the relay.
+    """
+
+    module: str
+    parameters: tuple[str, ...] = ()
+    relayed: tuple[str, ...] = ()
 
 
 class FaultedLoop:
-    """Plant, controller, twin and recorder as processes around a relay.
+    """Nodes as processes around a relay; see :class:`LockstepLoop` and :class:`MachineLoop`.
 
     Parameters
     ----------
+    nodes : dict of str to LoopNode
+        What is started, in this order; the recorder is one of them.
     schedule : tuple of Fault
         What goes wrong.
     domain : int
         ROS domain of the loop.
     """
 
-    def __init__(self, schedule, domain):
-        self._schedule, self._folder = schedule, Path(tempfile.mkdtemp(prefix="faults-"))
+    def __init__(self, nodes, schedule, domain):
+        self._nodes, self._schedule = nodes, schedule
+        self._folder = Path(tempfile.mkdtemp(prefix="faults-"))
         self._environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain)
@@ -138,41 +101,59 @@ class FaultedLoop:
         self._relay.create_subscription(
             kind, source, lambda m: self._rows.append(check_telemetry_times(m)), qos_profile(topic)
         )
-        self._due = sorted(one for one in schedule if one.target in MODULES)
+        self._due = sorted(one for one in schedule if one.target in nodes)
         self._passing = []
 
     def judge(self):
         """Run the loop to its end and return the verdict."""
         try:
-            for name in MODULES:
+            for name in self._nodes:
                 self._start(name)
             end = time.monotonic() + DEADLINE
-            plant = self._running["plant"]
-            while plant.poll() is None:
+            while not self._is_over():
                 self._executor.spin_once(timeout_sec=0.05)
                 self._disturb()
                 if time.monotonic() > end:
                     return Verdict("failed", f"hangs at t = {self._relay.now:g} s")
                 for name, process in self._running.items():
-                    if process is not plant and process.poll() is not None:
+                    if process.poll() is not None and not self._is_over():
                         return Verdict("failed", f"{name} has ended: {self._said()}")
             for _ in range(50):
                 self._executor.spin_once(timeout_sec=0.01)
             code = self._stop_recorder()
+            said = self._said()
             if code != 0:
-                return Verdict("failed", f"the recorder ended with {code}: {self._said()}")
+                return Verdict("failed", f"the recorder ended with {code}: {said}")
+            if "Traceback" in said:
+                return Verdict("failed", said)
+            rows = np.concatenate(self._rows)
+            if not np.isfinite(rows).all():
+                return Verdict("failed", "telemetry is not finite")
             wrong = self._wrong_with_bags()
-            return Verdict("failed", wrong) if wrong else self._verdict(plant.returncode)
+            return Verdict("failed", wrong) if wrong else self._verdict(rows, said)
         finally:
             self._end()
 
+    def _is_over(self):
+        """Tell whether the loop has come to its end."""
+        raise NotImplementedError
+
+    def _verdict(self, rows, said):
+        """Judge the telemetry, rows of (t [s], u [V], q3 [m]), and what all nodes have said."""
+        raise NotImplementedError
+
+    @property
+    def _over_at(self):
+        """Time of the relay from which on the loop is as without faults [s]."""
+        return max((fault.end for fault in self._schedule), default=0.0) + RECOVERY
+
     def _start(self, name):
         self._lives += 1
-        renamed = RENAMED.get(name, ())
-        rules = [word for one in renamed for word in ("-r", f"{topic_of(one)}:=/sent/{one}")]
-        parameters = (*PARAMETERS.get(name, ()), *self._files_of(name))
+        node = self._nodes[name]
+        rules = [word for one in node.relayed for word in ("-r", f"{topic_of(one)}:=/sent/{one}")]
+        parameters = (*node.parameters, *self._files_of(name))
         options = [word for one in parameters for word in ("-p", one)]
-        command = [sys.executable, "-m", MODULES[name], "--ros-args", *rules, *options]
+        command = [sys.executable, "-m", node.module, "--ros-args", *rules, *options]
         with (self._folder / f"{self._lives}-{name}.log").open("wb") as log:
             self._running[name] = subprocess.Popen(
                 command, stdout=log, stderr=log, env=self._environment
@@ -239,27 +220,6 @@ class FaultedLoop:
             return ""
         return lost_by_recorder(self._bags[-1], self._relay.said)
 
-    def _verdict(self, code):
-        said = self._said()
-        if "Traceback" in said:
-            return Verdict("failed", said)
-        rows = np.concatenate(self._rows)
-        if not np.isfinite(rows).all():
-            return Verdict("failed", "telemetry is not finite")
-        if code != 0:
-            errors = [line for line in said.splitlines() if line.startswith("error: ")]
-            if code == 1 and len(errors) == 1 and " waited " in errors[0]:
-                return Verdict("stood still", errors[0])
-            return Verdict("failed", f"the plant ended with {code}: {said}")
-        times, expected = undisturbed()
-        over = max((fault.end for fault in self._schedule), default=0.0) + RECOVERY
-        judged = rows[rows[:, 0] >= over]
-        number = np.rint(judged[:, 0] * 5000.0).astype(int)
-        np.testing.assert_allclose(times[number], judged[:, 0], atol=1e-9)
-        off = float(np.abs(judged[:, 2] - expected[number]).max())
-        text = f"{1e6 * off:.1f} um from the loop without faults after t = {over:g} s"
-        return Verdict("recovered" if off <= TOLERANCE else "failed", text)
-
     def _said(self):
         logs = sorted(self._folder.glob("*.log"))
         return "\n".join(log.read_text(encoding="utf-8", errors="replace") for log in logs)
@@ -288,8 +248,3 @@ def limit_files(process, size=resource.RLIM_INFINITY):
 def topic_of(name):
     """Return the topic of a channel, as its sender names it."""
     return CHANNELS[name][0].name
-
-
-def judge(schedule, domain):
-    """Run a loop under a schedule of faults and return the verdict."""
-    return FaultedLoop(schedule, domain).judge()
