@@ -1,0 +1,27 @@
+"""What a process holds is seen, and its growth told from what comes and goes."""
+
+import os
+
+from process_usage import Usage, growth, usage_of
+
+MEGABYTE = 10**6
+
+
+def test_memory_and_descriptors_that_a_process_takes_are_seen(tmp_path):
+    before = usage_of(os.getpid())
+    taken = bytearray(os.urandom(8 * MEGABYTE))
+    with (tmp_path / "file").open("wb"):
+        after = usage_of(os.getpid())
+    assert after.memory - before.memory > 0.9 * len(taken)
+    assert after.descriptors == before.descriptors + 1
+
+
+def test_growth_is_that_of_the_median_whatever_single_samples_are():
+    memory = [5, 5, 99, 5, 5, 6, 6, 6, 7, 7, 7, 7, 8, 8, 0, 8]
+    usages = [Usage(float(number), one, 10, 4) for number, one in enumerate(memory)]
+    assert growth(usages) == Usage(12.0, 3, 0, 0)
+
+
+def test_a_descriptor_and_a_thread_more_are_growth():
+    usages = [Usage(float(number), 1, 10 + number // 5, 4 + number // 6) for number in range(8)]
+    assert growth(usages)[2:] == (1, 1)
