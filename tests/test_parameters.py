@@ -58,6 +58,9 @@ def test_what_tunes_the_running_loop_can_be_reconfigured():
     assert reconfigurable == {
         "dead_zone_tolerance",
         "voltage_offset",
+        "first",
+        "second",
+        "step_time",
         "proportional",
         "integral",
         "derivative",

@@ -141,3 +141,11 @@ def test_angles_that_are_whole_numbers_make_floats():
 def test_a_fault_is_named_with_its_value_and_what_is_allowed(fault, text):
     with pytest.raises(ValueError, match=r"^GapProfile\." + text):
         GapProfile(**fault)
+
+
+def test_a_growth_that_begins_later_is_the_same_growth_later():
+    times = np.array([0.0, 30.0, 40.0, 65.0, 500.0])
+    for kind in KINDS:
+        later = gaps_at(GapProfile(kind, 0.1, growth_time=50.0, begin_time=30.0), times)
+        now = gaps_at(GapProfile(kind, 0.1, growth_time=50.0), np.maximum(times - 30.0, 0.0))
+        np.testing.assert_array_equal(later, now)

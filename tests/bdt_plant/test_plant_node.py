@@ -449,3 +449,67 @@ def test_a_start_with_bad_parameters_names_parameter_value_and_what_is_allowed(
     assert says in str(caught.value)
     assert "\n" not in str(caught.value)
     ros.spin_until(lambda: watcher.get_node_names() == ["watcher"])
+
+
+def set_parameters(bench, **values):
+    changes = [Parameter(name.replace("__", "."), value=value) for name, value in values.items()]
+    return bench.plant.set_parameters_atomically(changes)
+
+
+def test_gap_friction_and_noise_change_while_the_plant_runs(ros):
+    bench = Bench(ros, telemetry_period=0.002, gap__kind="constant")
+    core = PlantSimulator(PlantModel(), GapProfile("constant"), Sampling())
+    ros.spin_until(lambda: bench.measurements)
+    bench.answer(5.0)
+    core.advance(5.0)
+    assert set_parameters(
+        bench, gap__initial=0.2, motor__coulomb_friction=0.01, sensor__noise=1e-6
+    ).successful
+    core.reconfigure(
+        PlantModel(MotorParameters(coulomb_friction=0.01)),
+        GapProfile("constant", 0.2),
+        SensorParameters(noise=1e-6),
+    )
+    rows, truth = [], core.truth()
+    for _ in range(3):
+        rows.append(core.advance(-5.0))
+        bench.answer(-5.0)
+    ros.spin_until(lambda: len(bench.telemetry) == 4 and len(bench.truth) == 4)
+    np.testing.assert_array_equal(np.concatenate(bench.telemetry[1:]), np.concatenate(rows))
+    np.testing.assert_array_equal(bench.truth[1], [truth])
+    assert truth[3] == 0.2
+
+
+def test_a_mechanism_does_not_become_one_of_another_kind(ros):
+    bench = Bench(ros, motor__coulomb_friction=0.01, motor__static_friction=0.02)
+    answer = set_parameters(bench, motor__coulomb_friction=0.02)
+    assert not answer.successful
+    assert "cannot go on" in answer.reason
+
+
+def test_a_pause_holds_the_plant_and_a_later_one_lets_it_go_on(ros):
+    bench = Bench(ros, pause_at=0.004, lockstep_timeout=0.1, resend_period=0.05)
+    ros.spin_until(lambda: bench.measurements)
+    bench.answer(0.0)
+    bench.command.publish(motor_voltage(bench.measurements[-1][0], 0.0))
+    ros.spin_for(0.4)
+    assert [stamp for stamp, _ in bench.measurements] == [0, PERIOD]
+    assert not bench.plant.finished.done()
+    assert set_parameters(bench, pause_at=0.006).successful
+    ros.spin_until(lambda: bench.measurements[-1][0] == 2 * PERIOD)
+
+
+def test_a_paced_plant_keeps_to_the_wall_clock(ros):
+    bench = Bench(ros, pace=0.1)
+    ros.spin_until(lambda: bench.measurements)
+    begin = time.monotonic()
+    for _ in range(10):
+        bench.answer(0.0)
+    assert time.monotonic() - begin >= 9 * 0.02
+
+
+def test_real_time_has_no_other_pace(ros):
+    bench = Bench(ros, mode="realtime")
+    answer = set_parameters(bench, pace=2.0)
+    assert not answer.successful
+    assert "lockstep" in answer.reason

@@ -254,3 +254,11 @@ def test_what_was_in_force_before_is_sent_again_and_is_older_than_whatever_is_le
     link.send_again(7 * SECOND)
     expected = Reconfiguration(8 * SECOND, 0, 2e-5, -0.02, (("pid.integral", 3.0),))
     assert link.deliver(8 * SECOND) == expected
+
+
+def test_another_delay_holds_for_what_is_sent_from_then_on():
+    link = DelayedLink(LinkSettings(communication_delay=1.0))
+    assert link.send(0, 0, 1e-5) == SECOND
+    link.use(LinkSettings(communication_delay=0.25))
+    assert link.send(0, 1, 2e-5) == SECOND // 4
+    assert link.expected_delay == 0.25

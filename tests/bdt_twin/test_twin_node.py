@@ -212,7 +212,7 @@ def test_what_is_on_its_way_when_somebody_takes_the_dead_zone_over_does_not_arri
     bench.tick(5.0)
     ros.spin_for(0.2)
     assert not bench.requests
-    (result,) = bench.twin.set_parameters([Parameter("communication_delay", value=2.0)])
+    (result,) = bench.twin.set_parameters([Parameter("delay_spread", value=0.5)])
     assert not result.successful
 
 

@@ -197,6 +197,7 @@ class ControllerNode(Node):
             reconfigured(self._gains, "pid", changes)
             reconfigured(self._notch, "notch", changes)
             reconfigured(self._settings, "", changes)
+            reconfigured(self._reference, "reference", changes)
         except ValueError as error:
             return rejected(str(error))
         return accepted()
@@ -205,6 +206,7 @@ class ControllerNode(Node):
         self._gains = reconfigured(self._gains, "pid", changes)
         self._notch = reconfigured(self._notch, "notch", changes)
         self._settings = reconfigured(self._settings, "", changes)
+        self._reference = reconfigured(self._reference, "reference", changes)
         if any(change.name == DEAD_ZONE_PARAMETER for change in changes):
             self._dead_zone_set_by = "parameter service"
         self._controller.configure(self._gains, self._settings, self._notch)

@@ -31,6 +31,7 @@ class ReferenceProfile:
         "commissioning",
         minimum=-1e3,
         maximum=1e3,
+        reconfigurable=True,
     )
     second: float = quantity(
         0.0,
@@ -38,9 +39,15 @@ class ReferenceProfile:
         "level of the even steps; where commissioning begins and ends",
         minimum=-1e3,
         maximum=1e3,
+        reconfigurable=True,
     )
     step_time: float = quantity(
-        10.0, "s", "length of each step of the square wave", minimum=1e-3, maximum=1e9
+        10.0,
+        "s",
+        "length of each step of the square wave",
+        minimum=1e-3,
+        maximum=1e9,
+        reconfigurable=True,
     )
     largest_speed: float = quantity(
         0.05,

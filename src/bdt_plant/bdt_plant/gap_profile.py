@@ -21,24 +21,52 @@ class GapProfile:
     is 30 degrees times (t / 120 s) squared, whose mean over 120 s is 10 degrees.
     """
 
-    kind: str = quantity("power_law", "", "law of growth", choices=KINDS)
+    kind: str = quantity("power_law", "", "law of growth", choices=KINDS, reconfigurable=True)
     initial: float = quantity(
-        0.0, "rad", "gap at the beginning; the gap of kind constant", minimum=0.0, maximum=100.0
+        0.0,
+        "rad",
+        "gap at the beginning; the gap of kind constant",
+        minimum=0.0,
+        maximum=100.0,
+        reconfigurable=True,
     )
     final: float = quantity(
-        float(np.deg2rad(30.0)), "rad", "gap at the end of the growth", minimum=0.0, maximum=100.0
+        float(np.deg2rad(30.0)),
+        "rad",
+        "gap at the end of the growth",
+        minimum=0.0,
+        maximum=100.0,
+        reconfigurable=True,
     )
     growth_time: float = quantity(
-        120.0, "s", "time over which the gap grows; it stays there", minimum=1e-3, maximum=1e9
+        120.0,
+        "s",
+        "time over which the gap grows; it stays there",
+        minimum=1e-3,
+        maximum=1e9,
+        reconfigurable=True,
     )
     exponent: float = quantity(
-        2.0, "", "exponent of the power law; 1 is the ramp", minimum=0.1, maximum=10.0
+        2.0,
+        "",
+        "exponent of the power law; 1 is the ramp",
+        minimum=0.1,
+        maximum=10.0,
+        reconfigurable=True,
     )
     table_times: tuple[float, ...] = quantity(
         (0.0, 120.0), "s", "strictly increasing times of the table", minimum=0.0, maximum=1e9
     )
     table_gaps: tuple[float, ...] = quantity(
         (0.0, float(np.deg2rad(30.0))), "rad", "gaps of the table", minimum=0.0, maximum=100.0
+    )
+    begin_time: float = quantity(
+        0.0,
+        "s",
+        "time at which the growth, or the table, begins",
+        minimum=0.0,
+        maximum=1e9,
+        reconfigurable=True,
     )
 
     def __post_init__(self) -> None:
@@ -58,9 +86,10 @@ def gaps_at(profile: GapProfile, times: FloatArray) -> FloatArray:
     """
     if profile.kind == "constant":
         return np.full(times.size, profile.initial, dtype=np.float64)
+    elapsed = times - profile.begin_time
     if profile.kind == "table":
-        return _gaps_of_table(profile, times)
-    fractions = np.clip(times / profile.growth_time, 0.0, 1.0)
+        return _gaps_of_table(profile, elapsed)
+    fractions = np.clip(elapsed / profile.growth_time, 0.0, 1.0)
     if profile.kind == "power_law":
         fractions = power(fractions, profile.exponent)
     return profile.initial + (profile.final - profile.initial) * fractions

@@ -40,6 +40,7 @@ class MotorParameters:
         "friction torque of a turning motor, and the largest of a standing one; not in the paper",
         minimum=0.0,
         maximum=1e3,
+        reconfigurable=True,
     )
 
     def __post_init__(self) -> None:

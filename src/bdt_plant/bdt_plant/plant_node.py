@@ -27,9 +27,12 @@ from bdt_plant.clock_owner import LOOK_PERIOD, ClockOwner
 from bdt_plant.compiled_period import compiled_period_of
 from bdt_plant.limits import LimitedDrive
 from bdt_plant.lockstep import Followers
+from bdt_plant.pace import Pace
+from bdt_plant.pace_keeper import PaceKeeper
 from bdt_plant.parameters import PARAMETERS
 from bdt_plant.plant import PlantModel
 from bdt_plant.plant_publishers import PlantPublishers
+from bdt_plant.plant_reconfiguration import PlantConfiguration, PlantReconfiguration
 from bdt_plant.plant_simulator import PlantSimulator
 
 LONG_RUN = 10.0
@@ -73,6 +76,10 @@ class PlantNode(Node):
             actuator,
             compiled_period_of(model) if is_long else None,
         )
+        pace = Pace(self._settings.pace, self._settings.pause_at)
+        self._pace = PaceKeeper(self, pace, self._proceed)
+        declared = PlantConfiguration(self._settings, model, profile, sensor)
+        self._reconfiguration = PlantReconfiguration(self, declared, self._simulator, pace)
         self._followers = Followers(self._settings.lockstep_followers)
         self._commands = AwaitedCommands(self._settings.command_timeout)
         self._drive = LimitedDrive(limits)
@@ -179,6 +186,8 @@ class PlantNode(Node):
         if self._simulator.sample >= self._end:
             self.finished.set_result(None)
             return
+        if not self._pace.may_proceed(self._simulator.time):
+            return
         self._waiting_for_command = True
         self._last_advance = time.monotonic()
         self._publish_measurement()
@@ -198,6 +207,9 @@ class PlantNode(Node):
         if not self._clock_owner.is_established:
             return
         self._outputs.publish_clock(self._simulator.nanoseconds)
+        if self._pace.is_holding:
+            self._last_advance = now
+            return
         blocking = self._blocking_nodes()
         if not self._control_step:
             self.get_logger().info(f"waiting for {_awaited(blocking)}", throttle_duration_sec=5.0)

@@ -51,6 +51,22 @@ class PlantSettings:
         minimum=1e-3,
         maximum=1e3,
     )
+    pace: float = quantity(
+        0.0,
+        "",
+        "lockstep: simulated seconds in a second of wall time at most; 0 for as fast as it goes",
+        minimum=0.0,
+        maximum=1e3,
+        reconfigurable=True,
+    )
+    pause_at: float = quantity(
+        1e9,
+        "s",
+        "lockstep: simulated time from which on the plant waits until this is set to a later one",
+        minimum=0.0,
+        maximum=1e9,
+        reconfigurable=True,
+    )
     lockstep_followers: tuple[str, ...] = quantity(
         ("",), "", "lockstep: nodes whose progress messages the plant waits for"
     )

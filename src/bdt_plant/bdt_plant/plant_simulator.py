@@ -77,6 +77,7 @@ class PlantSimulator:
     ) -> None:
         self._profile = profile
         self._sampling = sampling
+        self._model = model
         self._step, at_rest, plain = _dynamics(model, sampling)
         self._period = period or plain
         self._periods: list[tuple[FloatArray, FloatArray]] = []
@@ -109,6 +110,37 @@ class PlantSimulator:
     def dropped_samples(self) -> int:
         """Number of samples that the sensor dropped."""
         return self._sensor.dropped
+
+    def check_model(self, model: PlantModel) -> None:
+        """Raise a ValueError if the state of this mechanism says nothing of `model`."""
+        if model.is_piecewise_linear != self._model.is_piecewise_linear:
+            kinds = ("no more than Coulomb friction", "more than Coulomb friction")
+            has, lacks = kinds if self._model.is_piecewise_linear else kinds[::-1]
+            raise ValueError(f"a mechanism that began with {has} cannot go on with {lacks}")
+
+    def reconfigure(self, model: PlantModel, profile: GapProfile, sensor: SensorParameters) -> None:
+        """Go on with another friction, gap and noise from this sample on.
+
+        Parameters
+        ----------
+        model : PlantModel
+            Constants of the mechanism, of the kind that it has.
+        profile : GapProfile
+            Growth of the gap.
+        sensor : SensorParameters
+            Sensor of platform 3, of which the noise alone may differ.
+
+        Raises
+        ------
+        ValueError
+            If the mechanism is of another kind; see :meth:`check_model`.
+        """
+        self.check_model(model)
+        self._model, self._profile = model, profile
+        self._step, _, _ = _dynamics(model, self._sampling)
+        self._periods.clear()
+        self._gap = gap_at(profile, self.time)
+        self._sensor.set_noise(sensor.noise)
 
     def truth(self) -> tuple[float, float, float, float, float, float, float]:
         """Return the true (t, theta_m, theta_d, gap, q1, q2, q3) now; see ``TRUTH_COLUMNS``."""

@@ -7,7 +7,7 @@ measurement that the controller gets is the reading in the telemetry row of the 
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -39,7 +39,12 @@ class SensorParameters:
     """Imperfections of the position sensor; the paper has none."""
 
     noise: float = quantity(
-        0.0, "m", "rms of the white noise of each reading", minimum=0.0, maximum=1.0
+        0.0,
+        "m",
+        "rms of the white noise of each reading",
+        minimum=0.0,
+        maximum=1.0,
+        reconfigurable=True,
     )
     quantization: float = quantity(
         0.0, "m", "step between two readings; 0 for none", minimum=0.0, maximum=1.0
@@ -250,6 +255,14 @@ class Sensor:
         self._sample = 0
         self._reading = 0.0
         self.dropped = 0
+
+    def set_noise(self, noise: float) -> None:
+        """Have noise of another rms [m] from the next sample on."""
+        self._parameters = replace(self._parameters, noise=noise)
+        self._is_ideal = self._parameters.is_ideal
+        if place := self._sample % BLOCK:
+            begin = self._sample - place
+            self._noise = noise_sequence(self._parameters, begin, BLOCK).tolist()
 
     def read(self, position: float) -> float:
         """Return the reading of the next sample [m].

@@ -36,6 +36,7 @@ class LinkSettings:
         "mean of uniform, the median of log_normal delays",
         minimum=0.0,
         maximum=1e4,
+        reconfigurable=True,
     )
     delay_distribution: str = quantity(
         "fixed", "", "how the delay differs from message to message", choices=DISTRIBUTIONS
@@ -146,6 +147,12 @@ class DelayedLink:
         self._newest: int | None = None
         self._in_force: Reconfiguration | None = None
         self.lost = self.overtaken = 0
+
+    def use(self, settings: LinkSettings) -> None:
+        """Delay what is sent from now on as other settings say; losses go on as they were."""
+        self._delays = delays(settings)
+        self._drawn.clear()
+        self._expected = expected_delay(settings)
 
     @property
     def in_force(self) -> Reconfiguration | None:

@@ -42,7 +42,7 @@ from bdt_twin.parameters import PARAMETERS
 from bdt_twin.reconfiguration import Reconfigurator
 from bdt_twin.telemetry_intake import TelemetryIntake
 
-OF_THE_CONTROLLER = ("pid.", "notch.", "redesign.")
+READ_AT_START = ("pid.", "notch.", "redesign.", "motor.")
 BOUNDED = "the gap is too uncertain: dead_zone.largest_growth bounds the dead zone"
 
 
@@ -66,7 +66,9 @@ class TwinNode(Node):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(TWIN_NODE, **node_arguments)
-        self._settings, link, dead_zone, self._choice, *others = declare_all(self, PARAMETERS)
+        self._settings, self._link_settings, dead_zone, self._choice, *others = declare_all(
+            self, PARAMETERS
+        )
         inverse_filter, output_error, motor, screw, structure, deciding, *gains = others
         model = PlantModel(motor, screw, structure)
         self._sampling_rate: float = inverse_filter.sampling_rate
@@ -80,7 +82,7 @@ class TwinNode(Node):
                 )
             except ValueError as error:
                 raise ConfigurationError(f"parameter {error}") from error
-        self._link = DelayedLink(link)
+        self._link = DelayedLink(self._link_settings)
         self._reconfigurator = Reconfigurator(
             DeadZoneRule(dead_zone, model.lead_screw.pitch), self._link
         )
@@ -194,11 +196,12 @@ class TwinNode(Node):
     # Reconfiguration -----------------------------------------------------------------------
 
     def _check_parameters(self, changes: list[Parameter]) -> SetParametersResult:
-        read_once = [each.name for each in changes if each.name.startswith(OF_THE_CONTROLLER)]
+        read_once = [each.name for each in changes if each.name.startswith(READ_AT_START)]
         if read_once:
             return rejected(f"{read_once[0]} is read when the twin starts")
         try:
             reconfigured(self._settings, "", changes)
+            reconfigured(self._link_settings, "", changes)
         except ValueError as error:
             return rejected(str(error))
         return accepted()
@@ -206,6 +209,10 @@ class TwinNode(Node):
     def _use_parameters(self, changes: list[Parameter]) -> None:
         self._settings = reconfigured(self._settings, "", changes)
         self._delivery.use(self._settings)
+        link = reconfigured(self._link_settings, "", changes)
+        if link != self._link_settings:
+            self._link_settings = link
+            self._link.use(link)
         self._publish_progress()
 
     def _note_progress(self) -> None:
