@@ -27,6 +27,7 @@ _ROSBAGS = "python3-rosbags-pip"
 _MCAP = "mcap-ros2-support"
 
 PROVIDERS = {
+    "aiohttp": Provider("aiohttp", "python3-aiohttp"),
     "control": Provider("control", "python-control-pip"),
     "jinja2": Provider("jinja2", "python3-jinja2"),
     "matplotlib": Provider("matplotlib", "python3-matplotlib"),

@@ -24,8 +24,8 @@ os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 # In the background of a script Ctrl-C is ignored, also in the programs that a test starts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Bags and messages of loops, for the tests of several packages.
-pytest_plugins = ["recorded_loops"]
+# A browser, bags and messages of loops, for the tests of several packages.
+pytest_plugins = ["browser", "recorded_loops"]
 
 # Time limits of hypothesis say more about a busy machine than about the code.
 settings.register_profile("project", deadline=None, suppress_health_check=[HealthCheck.too_slow])

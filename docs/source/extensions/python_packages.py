@@ -19,6 +19,7 @@ PACKAGES = (
     "bdt_analysis",
     "bdt_study",
     "bdt_bringup",
+    "bdt_live",
 )
 
 

@@ -18,6 +18,7 @@ from bdt_msgs_py.topics import (
 
 PACKAGE_OF_COMMAND = {
     "run": "bdt_bringup",
+    "live": "bdt_live",
     "status": "bdt_bringup",
     "config": "bdt_bringup",
     "record": "bdt_bags",

@@ -1,7 +1,7 @@
 """What `bdt run` starts: nodes with their ROS arguments, folders, durations."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
@@ -39,6 +39,8 @@ class RunPlan:
         nothing.
     supervise : bool
         Whether nodes that died are started anew.
+    plant : mapping of str
+        Parameters of a simulated plant that go before those of the configuration and of the run.
     """
 
     configuration: Configuration
@@ -48,6 +50,7 @@ class RunPlan:
     output: Path
     recorder: Mapping[str, Any] | None
     supervise: bool = False
+    plant: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def record(self) -> bool:
@@ -103,6 +106,7 @@ class RunPlan:
                 "mode": self.mode,
                 "duration": self.duration,
                 "lockstep_followers": followers,
+                **self.plant,
             }
         if node == RECORDER_NODE:
             bag = self.bag if life == 1 else self.bag.with_name(f"{self.bag.name}-{life}")

@@ -1,0 +1,1 @@
+"""A loop in the browser: the mechanism moving, running plots, sliders for the parameters."""

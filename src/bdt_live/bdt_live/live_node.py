@@ -1,0 +1,153 @@
+"""The node behind a page: hears a loop, tells it to the page, and does what the page asks for."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+from rcl_interfaces.msg import Log
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from bdt_bringup.loop_health import LoopHealth
+from bdt_bringup.loop_state import SILENCE
+from bdt_live.bag_saving import BagSaving
+from bdt_live.channel import Channel
+from bdt_live.extremes import rounded
+from bdt_live.from_server import read_server_message
+from bdt_live.loop_control import LoopControl
+from bdt_live.loop_listener import LoopListener
+from bdt_live.page_requests import NODES, PageRequest
+from bdt_live.remote_parameters import RemoteParameters
+from bdt_msgs_py.command_errors import printable
+from bdt_msgs_py.topics import CONTROLLER_NODE, DEAD_ZONE_PARAMETER
+
+FRAME_PERIOD = 0.04
+"""Wall time [s] between two frames."""
+
+REQUEST_PERIOD = 0.01
+"""Wall time [s] between two looks at what pages ask for."""
+
+STATE_PERIOD = 0.5
+"""Wall time [s] between two looks at the nodes of the loop."""
+
+LONGEST_LINE = 300
+
+
+class LiveNode(Node):
+    """Hears a loop and tells it to the page.
+
+    Parameters
+    ----------
+    channel : Channel
+        To the process of the page.
+    output : Path
+        Folder for bags.
+    **node_arguments
+        Passed on to :class:`rclpy.node.Node`.
+
+    Attributes
+    ----------
+    messages : int
+        Number of messages taken, for :func:`bdt_msgs_py.spinning.spin_at_intervals`.
+    is_alone : bool
+        Whether the process of the page is gone.
+    """
+
+    def __init__(self, channel: Channel, output: Path, **node_arguments: Any) -> None:
+        super().__init__("live", **node_arguments)
+        self._channel = channel
+        self.is_alone = False
+        self._health = LoopHealth(self)
+        self._parameters = {name: RemoteParameters(self, name, channel.send) for name in NODES}
+        self._listener = LoopListener(self, list(self._parameters.values()))
+        rows = self._listener.rows
+        self._control = LoopControl(self._parameters, lambda: self._listener.end, lambda: rows.gap)
+        self._saving = BagSaving(output)
+        self.create_subscription(Log, "/rosout", self._take_log, 50)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(FRAME_PERIOD, self._send_frame, clock=steady)
+        self.create_timer(REQUEST_PERIOD, self._take_requests, clock=steady)
+        self.create_timer(STATE_PERIOD, self._send_state, clock=steady)
+
+    @property
+    def messages(self) -> int:
+        """Number of messages taken."""
+        return self._listener.messages
+
+    def _send_frame(self) -> None:
+        held = self._listener.rows.held
+        held["dead_zone"] = self._parameters[CONTROLLER_NODE].values.get(DEAD_ZONE_PARAMETER)
+        rows = self._listener.rows.rows()
+        if rows:
+            self._channel.send({"type": "frame", "rows": rows}, may_be_dropped=True)
+        else:
+            self._channel.flush()
+        self._listener.look()
+
+    def _send_state(self) -> None:
+        for parameters in self._parameters.values():
+            parameters.look()
+        state, now = self._health.state, time.monotonic()
+        timing = self._listener.timing
+        nodes = [
+            {
+                "name": name,
+                "level": 3 if now - report.heard > SILENCE else min(report.level, 2),
+                "text": report.text[:LONGEST_LINE],
+                "age": round(now - report.heard, 1),
+            }
+            for name, report in self._health.reports.items()
+        ]
+        self._channel.send(
+            {
+                "type": "state",
+                "word": state.word,
+                "cause": state.node,
+                "reason": state.reason[:LONGEST_LINE],
+                "nodes": nodes,
+                "rate": None if timing.rate is None else rounded(timing.rate),
+                "latency": None if timing.latency is None else rounded(timing.latency),
+                "pace": self._control.pace,
+                "paused": self._control.is_paused,
+            },
+            may_be_dropped=True,
+        )
+        if (saved := self._saving.outcome()) is not None:
+            name, reason = saved
+            self._channel.send({"type": "saved", "bag": name, "reason": reason})
+
+    def _take_log(self, message: Log) -> None:
+        line = {
+            "node": printable(message.name)[:LONGEST_LINE],
+            "level": ord(message.level) if isinstance(message.level, bytes) else message.level,
+            "text": printable(message.msg)[:LONGEST_LINE],
+        }
+        self._channel.send({"type": "log", "line": line}, may_be_dropped=True)
+
+    # Requests ------------------------------------------------------------------------------
+
+    def _take_requests(self) -> None:
+        texts = self._channel.receive()
+        if texts is None:
+            self.is_alone = True
+            return
+        for text in texts:
+            page, request = read_server_message(text)
+            if request is None:
+                for parameters in self._parameters.values():
+                    parameters.tell()
+            else:
+                self._do(page, request)
+
+    def _do(self, page: int, request: PageRequest) -> None:
+        def answer(reason: str | None) -> None:
+            number = request.number
+            self._channel.send({"type": "reply", "page": page, "number": number, "reason": reason})
+
+        if request.action == "save":
+            answer(self._saving.begin(self._listener.recent))
+        elif request.action == "mark":
+            self._channel.send({"type": "mark", "time": self._listener.end})
+            answer(None)
+        else:
+            self._control.do(request, answer)

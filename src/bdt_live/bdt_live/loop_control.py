@@ -1,0 +1,122 @@
+"""What a page asks for, done with the parameters of the nodes."""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from bdt_bringup.configuration import Configuration, load_configuration
+from bdt_live.page_requests import PageRequest, ParameterValue
+from bdt_live.remote_parameters import RemoteParameters
+from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.configuration_files import find_configuration
+from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
+
+NEVER = 1e9
+"""Simulated time [s] at which no plant pauses."""
+
+STEP = 0.04
+"""Simulated time of a single step [s]: what one batch of telemetry shows."""
+
+WORN = math.radians(30.0)
+WEAR_TIME = 60.0
+"""The gap [rad] to which a wear that is started goes, and the time [s] that it takes."""
+
+OF_TIME = ("pace", "pause_at")
+"""Parameters that a preset leaves alone."""
+
+READ_AT_START = ("pid.", "notch.", "redesign.", "motor.")
+"""Beginnings of parameters that a twin has from its start."""
+
+Answer = Callable[[str | None], None]
+
+
+class LoopControl:
+    """Sets parameters of a loop's nodes.
+
+    Parameters
+    ----------
+    parameters : mapping of str to RemoteParameters
+        Those of each node.
+    time : callable
+        Returns simulated time [s].
+    gap : callable
+        Returns the gap [rad]; None while nobody knows it.
+    """
+
+    def __init__(
+        self,
+        parameters: Mapping[str, RemoteParameters],
+        time: Callable[[], float],
+        gap: Callable[[], float | None],
+    ) -> None:
+        self._parameters, self._time, self._gap = parameters, time, gap
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether the plant waits for a user."""
+        pause_at = self._plant_value("pause_at")
+        return pause_at is not None and pause_at <= self._time() + STEP
+
+    @property
+    def pace(self) -> float | None:
+        """Simulated seconds in a second at most; 0 for no limit, None where there is no pace."""
+        return self._plant_value("pace")
+
+    def do(self, request: PageRequest, answer: Answer) -> None:
+        """Do what a page asks for, of what parameters can do, and call `answer`.
+
+        It gets a reason why it was not done; None once it is.
+        """
+        time = self._time()
+        if request.action == "set":
+            self._parameters[request.node].set(dict(request.values), answer)
+        elif request.action == "preset":
+            self._use_preset(request.preset, answer)
+        elif request.action == "wear":
+            gap: dict[str, ParameterValue] = {
+                "gap.kind": "ramp",
+                "gap.initial": min(self._gap() or 0.0, WORN),
+                "gap.final": WORN,
+                "gap.begin_time": time,
+                "gap.growth_time": WEAR_TIME,
+            }
+            self._parameters[PLANT_NODE].set(gap, answer)
+        else:
+            changes: dict[str, dict[str, ParameterValue]] = {
+                "pause": {"pause_at": 0.0},
+                "resume": {"pause_at": NEVER},
+                "step": {"pause_at": time + 1.5 * STEP},
+                "pace": {"pace": request.amount},
+            }
+            self._parameters[PLANT_NODE].set(changes[request.action], answer)
+
+    def _plant_value(self, name: str) -> float | None:
+        value = self._parameters[PLANT_NODE].values.get(name)
+        return value if isinstance(value, float) else None
+
+    def _use_preset(self, name: str, answer: Answer) -> None:
+        try:
+            configuration = load_configuration(find_configuration(name))
+            changes = {node: self._changes(configuration, node) for node in configuration.values}
+        except BadInputError as error:
+            answer(str(error))
+            return
+        changes[PLANT_NODE]["gap.begin_time"] = self._time()
+        # The twin first: one that stops must not set what the controller gets after it.
+        waiting = [node for node in (TWIN_NODE, CONTROLLER_NODE, PLANT_NODE) if changes[node]]
+
+        def go_on(reason: str | None) -> None:
+            if reason is not None or not waiting:
+                answer(reason)
+                return
+            node = waiting.pop(0)
+            self._parameters[node].set(changes[node], go_on)
+
+        go_on(None)
+
+    def _changes(self, configuration: Configuration, node: str) -> dict[str, Any]:
+        return {
+            name: configuration.value(node, name)
+            for name in self._parameters[node].reconfigurable
+            if name not in OF_TIME and not (node == TWIN_NODE and name.startswith(READ_AT_START))
+        }

@@ -1,0 +1,46 @@
+"""Rate and latency of a loop, from when its messages were sent."""
+
+from collections import deque
+from statistics import median
+
+WINDOW = 100
+"""Latencies of which the median is taken."""
+
+
+class LoopTiming:
+    """Counts measurements, and matches commands with what they answer."""
+
+    def __init__(self) -> None:
+        self._asked: dict[int, int] = {}
+        self._latencies: deque[int] = deque(maxlen=WINDOW)
+        self._count, self._begin = 0, 0.0
+        self._rate: float | None = None
+
+    def count(self, messages: int, now: float) -> None:
+        """Count measurements that have come by the wall time `now` [s]."""
+        self._count += messages
+        if now - self._begin >= 1.0:
+            self._rate = self._count / (now - self._begin) if self._begin else None
+            self._count, self._begin = 0, now
+
+    def measured(self, stamp: int, sent: int) -> None:
+        """Note when the measurement of a stamp [ns] was sent [ns of wall time]."""
+        while len(self._asked) >= WINDOW:
+            del self._asked[next(iter(self._asked))]
+        self._asked[stamp] = sent
+
+    def commanded(self, stamp: int, sent: int) -> None:
+        """Note when the command that answers a stamp [ns] was sent [ns of wall time]."""
+        asked = self._asked.pop(stamp, None)
+        if asked is not None:
+            self._latencies.append(sent - asked)
+
+    @property
+    def rate(self) -> float | None:
+        """Measurements in a second of wall time [Hz]; None before they were counted."""
+        return self._rate
+
+    @property
+    def latency(self) -> float | None:
+        """Median time from a measurement to its command [s]; None while there is none."""
+        return median(self._latencies) * 1e-9 if self._latencies else None

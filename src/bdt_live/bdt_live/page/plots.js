@@ -1,0 +1,139 @@
+// The running plots: position, voltage and gap over time.
+
+/* global uPlot */
+import { faded, palette } from "./palette.js";
+
+const HEIGHT = 150;
+const MILLI = 1e3;
+const DEGREES = 180 / Math.PI;
+
+// What each plot shows: [label, color, function of (signals, row, which of a row's two points)].
+const PLOTS = {
+  position: {
+    title: "position of platform 3 [mm]",
+    series: [
+      ["reference", "text", (c, n) => MILLI * c.reference[n], { dash: [6, 4], stepped: true }],
+      ["dead zone", "green", (c, n) => MILLI * (c.reference[n] + c.dead_zone[n]), { stepped: true }],
+      ["", "green", (c, n) => MILLI * (c.reference[n] - c.dead_zone[n]), { stepped: true }],
+      ["measured", "blue", (c, n, second) => MILLI * (second ? c.position_second : c.position_first)[n], { width: 2 }],
+    ],
+    band: [2, 3, "green"],
+    least: 0.2,
+  },
+  voltage: {
+    title: "motor voltage [V]",
+    series: [["voltage", "purple", (c, n, second) => (second ? c.voltage_second : c.voltage_first)[n], { width: 1.5 }]],
+    least: 0.5,
+  },
+  gap: {
+    title: "gap [°] and the gap that the dead zone bears",
+    series: [
+      ["true", "orange", (c, n) => DEGREES * c.gap[n], { width: 2 }],
+      ["estimate", "yellow", (c, n) => DEGREES * c.estimate[n], { width: 1.5, stepped: true }],
+      ["", "yellow", (c, n) => DEGREES * (c.estimate[n] + 2 * c.uncertainty[n]), { width: 0.5 }],
+      ["", "yellow", (c, n) => DEGREES * (c.estimate[n] - 2 * c.uncertainty[n]), { width: 0.5 }],
+      ["dead zone / pitch", "green", (c, n, _second, pitch) => DEGREES * (c.dead_zone[n] / pitch), { width: 1.5, dash: [5, 3] }],
+    ],
+    band: [3, 4, "yellow"],
+    least: 2,
+  },
+};
+
+export class Plots {
+  // `places` are elements by the names of PLOTS.
+  constructor(places) {
+    this.places = places;
+    this.names = Object.keys(PLOTS);
+    this.window = 20; // s
+    this.pitch = NaN; // m/rad
+    this.marks = [];
+    this.turn = 0;
+    this.build();
+    new ResizeObserver(() => this.resize()).observe(places.position);
+  }
+
+  build() {
+    for (const plot of Object.values(this.plots ?? {})) plot.destroy();
+    this.plots = Object.fromEntries(this.names.map((name) => [name, this.create(name)]));
+  }
+
+  resize() {
+    for (const name of this.names) {
+      this.plots[name].setSize({ width: this.places[name].clientWidth - 12, height: HEIGHT });
+    }
+  }
+
+  create(name) {
+    const { title, series, band, least } = PLOTS[name];
+    const axis = { stroke: palette.quiet, grid: { stroke: faded(palette.edge, 0.7), width: 1 }, ticks: { show: false }, font: "11px system-ui" };
+    const options = {
+      title,
+      width: Math.max(this.places[name].clientWidth - 12, 200),
+      height: HEIGHT,
+      cursor: { sync: { key: "time" }, drag: { x: false, y: false } },
+      legend: { live: false },
+      scales: { x: { time: false, auto: false }, y: { range: (_plot, low, high) => spread(low, high, least) } },
+      axes: [{ ...axis, size: 28, values: (_plot, values) => values.map((t) => `${+t.toFixed(1)} s`) }, { ...axis, size: 52 }],
+      series: [{}, ...series.map(([label, color, , more]) => ({
+        label, stroke: palette[color], width: 1, points: { show: false }, ...more,
+        paths: more.stepped ? uPlot.paths.stepped({ align: 1 }) : undefined,
+      }))],
+      bands: band ? [{ series: band.slice(0, 2), fill: faded(palette[band[2]], 0.22) }] : [],
+      hooks: { draw: [(plot) => this.drawMarks(plot)] },
+    };
+    const plot = new uPlot(options, [[], ...series.map(() => [])], this.places[name]);
+    for (const row of plot.root.querySelectorAll(".u-legend .u-series")) {
+      if (!row.querySelector(".u-label")?.textContent) row.remove();
+    }
+    return plot;
+  }
+
+  // Draw one of the plots, the next one each time: all of them at once would cost a frame.
+  drawNext(signals) {
+    if (signals.shown === null) return;
+    const name = this.names[this.turn];
+    this.turn = (this.turn + 1) % this.names.length;
+    const { columns } = signals;
+    const end = signals.indexAt(signals.shown) + 1;
+    const begin = Math.max(signals.indexAt(signals.shown - this.window), signals.begin);
+    // A long window has more rows than pixels: of each few the two points of an extreme stay.
+    const count = 2 * Math.max(end - begin, 0);
+    const data = [new Float64Array(count), ...PLOTS[name].series.map(() => new Array(count))];
+    for (let n = begin, place = 0; n < end; n += 1) {
+      for (const second of [false, true]) {
+        data[0][place] = columns.time[n] + (second ? 0.005 : 0);
+        PLOTS[name].series.forEach(([, , value], index) => {
+          const each = value(columns, n, second, this.pitch);
+          data[index + 1][place] = Number.isFinite(each) ? each : null;
+        });
+        place += 1;
+      }
+    }
+    const plot = this.plots[name];
+    plot.batch(() => {
+      plot.setData(data, false);
+      plot.setScale("x", { min: signals.shown - this.window, max: signals.shown });
+    });
+  }
+
+  drawMarks(plot) {
+    const { ctx: context, bbox } = plot;
+    context.strokeStyle = palette.red;
+    context.lineWidth = 2;
+    for (const time of this.marks) {
+      const x = plot.valToPos(time, "x", true);
+      if (x < bbox.left || x > bbox.left + bbox.width) continue;
+      context.beginPath();
+      context.moveTo(x, bbox.top);
+      context.lineTo(x, bbox.top + bbox.height);
+      context.stroke();
+    }
+  }
+}
+
+function spread(low, high, least) {
+  if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
+  const reach = Math.max((high - low) / 2, least / 2) * 1.12;
+  const middle = (low + high) / 2;
+  return [middle - reach, middle + reach];
+}

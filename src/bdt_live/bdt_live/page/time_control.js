@@ -1,0 +1,51 @@
+// Pause, step, pace, mark, save, presets and wear: buttons and keys that ask the loop.
+
+const KEYS = { " ": "pause", ".": "step", m: "mark", s: "save", d: "theme" };
+const PRESET_KEYS = { 1: "linear", 2: "fixed_dead_zone", 3: "paper" };
+
+export class TimeControl {
+  constructor(connection, nodes) {
+    this.connection = connection;
+    this.nodes = nodes;
+    this.paused = false;
+    this.button("pause").addEventListener("click", () => this.ask(this.paused ? "resume" : "pause"));
+    for (const action of ["step", "mark", "save", "wear"]) {
+      this.button(action).addEventListener("click", () => this.ask(action));
+    }
+    this.pace = this.button("pace");
+    this.pace.addEventListener("change", () => this.ask("pace", { amount: Number(this.pace.value) }));
+    for (const button of document.querySelectorAll("[data-preset]")) {
+      button.addEventListener("click", () => this.ask("preset", { preset: button.dataset.preset }));
+    }
+    document.addEventListener("keydown", (event) => this.press(event));
+  }
+
+  button(name) { return document.getElementById(name); }
+
+  press(event) {
+    const typing = event.target.closest("input, select, textarea, button, summary, a");
+    if (typing || event.ctrlKey || event.altKey || event.metaKey) return;
+    const button = event.key in PRESET_KEYS
+      ? document.querySelector(`[data-preset="${PRESET_KEYS[event.key]}"]`)
+      : this.button(KEYS[event.key]);
+    if (!button) return;
+    event.preventDefault();
+    button.click();
+  }
+
+  async ask(action, fields) {
+    const reason = await this.connection.ask(action, fields);
+    if (reason) this.nodes.addLine(`${action}: ${reason}`, 40);
+  }
+
+  take({ pace, paused }) {
+    this.paused = paused;
+    const button = this.button("pause");
+    button.textContent = paused ? "Go on" : "Pause";
+    button.setAttribute("aria-pressed", paused);
+    const can = pace !== null;
+    for (const each of [button, this.button("step"), this.pace]) each.disabled = !can;
+    this.button("step").disabled = !can || !paused;
+    if (can && document.activeElement !== this.pace) this.pace.value = String(pace);
+  }
+}

@@ -1,0 +1,51 @@
+"""The process behind a page: ROS, apart from the server, so that the page never slows the loop.
+
+``python -m bdt_bringup.child_node PARENT bdt_live.ros_process SOCKET OUTPUT --ros-args ...``
+"""
+
+import socket
+import sys
+import time
+from pathlib import Path
+
+from rclpy.executors import SingleThreadedExecutor
+
+from bdt_live.channel import Channel
+from bdt_live.live_node import LiveNode
+from bdt_msgs_py.node_main import run_node
+from bdt_msgs_py.stop_signals import StopSignals
+
+IDLE = 0.004
+"""Wall time [s] between two looks at what has arrived: a loop must not wait for its spectator."""
+
+
+def spin_while_watched(executor: SingleThreadedExecutor, node: LiveNode) -> None:
+    """Run callbacks until the process of the page is gone, or a signal comes."""
+    with StopSignals() as signals:
+        while not (signals.requested or node.is_alone):
+            taken = node.messages
+            executor.spin_once(timeout_sec=0.0)
+            if node.messages == taken:
+                time.sleep(IDLE)
+
+
+def main(args: list[str] | None = None) -> None:
+    """Run the node."""
+    program, number, output, *ros_arguments = sys.argv if args is None else args
+    end = socket.socket(fileno=int(number))
+    channel = Channel(end)
+    try:
+        sys.exit(
+            run_node(
+                lambda: LiveNode(channel, Path(output)),
+                [program, *ros_arguments],
+                spin=spin_while_watched,
+                is_configured=False,
+            )
+        )
+    finally:
+        channel.close()
+
+
+if __name__ == "__main__":
+    main()
