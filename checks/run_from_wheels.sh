@@ -10,7 +10,7 @@ trap 'rm -rf "$outside"' EXIT
 
 # Third-party packages with the hashes of the lock, then ours from dist/ and from nowhere else.
 "$python" -m venv --without-pip "$outside/env"
-"$python" -m checks.locked_requirements bdt_bringup bdt_study bdt_drive_emulator bdt_serial_drive embedded_ros >"$outside/requirements.txt"
+"$python" -m checks.locked_requirements bdt_bringup bdt_live bdt_study bdt_drive_emulator bdt_serial_drive embedded_ros >"$outside/requirements.txt"
 pip=("$python" -m pip --quiet --disable-pip-version-check --python "$outside/env/bin/python" install --no-compile)
 "${pip[@]}" --no-deps --require-hashes -r "$outside/requirements.txt"
 "${pip[@]}" --no-index --find-links dist "backlash-digital-twin[embedded-ros]"

@@ -32,6 +32,9 @@ setup(
     ],
     zip_safe=False,
     entry_points={
+        "bdt.benchmark": [
+            "live = bdt_live.benchmark:live",
+        ],
         "bdt.command": [
             "live = bdt_live.commands.live:COMMAND",
         ],

@@ -21,7 +21,7 @@ from bdt_live.remote_parameters import RemoteParameters
 from bdt_msgs_py.command_errors import printable
 from bdt_msgs_py.topics import CONTROLLER_NODE, DEAD_ZONE_PARAMETER
 
-FRAME_PERIOD = 0.04
+FRAME_PERIOD = 0.02
 """Wall time [s] between two frames."""
 
 REQUEST_PERIOD = 0.01

@@ -5,10 +5,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from bdt_bringup.configuration import Configuration, load_configuration
+from bdt_bringup.installed import parameter_table
 from bdt_live.page_requests import PageRequest, ParameterValue
 from bdt_live.remote_parameters import RemoteParameters
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.configuration_files import find_configuration
+from bdt_msgs_py.parameter_tables import known_parameters
 from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
 
 NEVER = 1e9
@@ -115,8 +117,11 @@ class LoopControl:
         go_on(None)
 
     def _changes(self, configuration: Configuration, node: str) -> dict[str, Any]:
+        known = known_parameters(parameter_table(node))
         return {
             name: configuration.value(node, name)
             for name in self._parameters[node].reconfigurable
-            if name not in OF_TIME and not (node == TWIN_NODE and name.startswith(READ_AT_START))
+            if name in known
+            and name not in OF_TIME
+            and not (node == TWIN_NODE and name.startswith(READ_AT_START))
         }

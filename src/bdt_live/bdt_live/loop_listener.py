@@ -73,7 +73,7 @@ class LoopListener:
         self.rows, self.timing, self.recent = RowMaker(), LoopTiming(), RecentMessages()
         self.end = 0.0
         self._events = events
-        self._measurements = 0
+        self._measurements = self._measured = 0
         self._timed: dict[str, deque[tuple[int, bytes]]] = {
             topic.name: deque(maxlen=TIMED) for topic in (MEASUREMENT, COMMAND)
         }
@@ -91,7 +91,7 @@ class LoopListener:
 
     def look(self) -> None:
         """Look at the times of some messages, and count them."""
-        self.timing.count(self._measurements, time.monotonic())
+        self.timing.count(self._measurements, self._measured, time.time_ns())
         self._measurements = 0
         for topic, note in ((MEASUREMENT, self.timing.measured), (COMMAND, self.timing.commanded)):
             waiting = self._timed[topic.name]
@@ -114,7 +114,8 @@ class LoopListener:
             self.recent.add(SerializedMessage(number, received, received, data))
             if timed is not None:
                 timed.append((sent, data))
-                self._measurements += topic is MEASUREMENT
+                if topic is MEASUREMENT:
+                    self._measurements, self._measured = self._measurements + 1, sent
             elif read is not None:
                 # A stray message is for the nodes of the loop to complain about.
                 with contextlib.suppress(MessageRejectedError):

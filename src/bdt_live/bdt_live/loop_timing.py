@@ -3,6 +3,7 @@
 from collections import deque
 from statistics import median
 
+SECOND = 1_000_000_000
 WINDOW = 100
 """Latencies of which the median is taken."""
 
@@ -13,15 +14,28 @@ class LoopTiming:
     def __init__(self) -> None:
         self._asked: dict[int, int] = {}
         self._latencies: deque[int] = deque(maxlen=WINDOW)
-        self._count, self._begin = 0, 0.0
+        self._count, self._begin, self._newest = 0, 0, 0
         self._rate: float | None = None
 
-    def count(self, messages: int, now: float) -> None:
-        """Count measurements that have come by the wall time `now` [s]."""
+    def count(self, messages: int, newest: int, now: int) -> None:
+        """Count measurements.
+
+        Parameters
+        ----------
+        messages : int
+            How many have come since the last time.
+        newest, now : int
+            Wall times [ns] at which the newest one was sent, and of now.
+        """
         self._count += messages
-        if now - self._begin >= 1.0:
-            self._rate = self._count / (now - self._begin) if self._begin else None
-            self._count, self._begin = 0, now
+        if messages:
+            self._newest = newest
+        elapsed = self._newest - self._begin
+        if elapsed >= SECOND:
+            self._rate = self._count * SECOND / elapsed if self._begin else None
+            self._count, self._begin = 0, self._newest
+        elif now - self._newest > 2 * SECOND and self._begin:
+            self._rate = 0.0
 
     def measured(self, stamp: int, sent: int) -> None:
         """Note when the measurement of a stamp [ns] was sent [ns of wall time]."""

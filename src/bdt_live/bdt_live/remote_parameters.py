@@ -1,6 +1,7 @@
 """The parameters of the nodes of a loop: described, watched and set for the page."""
 
 import math
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -13,6 +14,11 @@ from rclpy.parameter_client import AsyncParameterClient
 from bdt_live.page_requests import ParameterValue
 from bdt_live.parameter_controls import Description, control_of
 from bdt_msgs_py.command_errors import printable
+
+LATE = 2.0
+"""Wall time [s] after which a node has not answered."""
+
+Answer = Callable[[str | None], None]
 
 
 class RemoteParameters:
@@ -42,10 +48,16 @@ class RemoteParameters:
         self._descriptions: dict[str, Description] = {}
         self._is_asking = False
         self._is_there = False
+        self._unanswered: dict[int, tuple[float, Answer]] = {}
+        self._asked = 0
         self.values: dict[str, Any] = {}
 
     def look(self) -> None:
-        """Ask a node that has come for its parameters; tell the page when one has gone."""
+        """Ask a node that has come for its parameters; give up on one that does not answer."""
+        for number, (due, answer) in list(self._unanswered.items()):
+            if time.monotonic() > due:
+                del self._unanswered[number]
+                answer(f"{self._name} has not answered within {LATE:g} s")
         is_there = self._client.services_are_ready()
         if self._is_there and not is_there:
             self._descriptions.clear()
@@ -75,7 +87,7 @@ class RemoteParameters:
         if changed and self._descriptions:
             self._tell({"type": "values", "node": self._name, "values": changed})
 
-    def set(self, values: dict[str, ParameterValue], answer: Callable[[str | None], None]) -> None:
+    def set(self, values: dict[str, ParameterValue], answer: Answer) -> None:
         """Set parameters, all or none.
 
         Parameters
@@ -89,10 +101,14 @@ class RemoteParameters:
             answer(f"{self._name} is not there")
             return
         asked = [Parameter(name, value=self._converted(name, x)) for name, x in values.items()]
+        self._asked += 1
+        number = self._asked
+        self._unanswered[number] = time.monotonic() + LATE, answer
 
         def take_answer(future: Any) -> None:
             result = future.result().result
-            answer(None if result.successful else printable(result.reason) or "refused")
+            if self._unanswered.pop(number, None) is not None:
+                answer(None if result.successful else printable(result.reason) or "refused")
 
         self._client.set_parameters_atomically(asked, callback=take_answer)
 

@@ -228,7 +228,7 @@ def live_plan(plan: RunPlan) -> RunPlan:
         return plan
     plant = {
         "pace": 1.0,
-        "telemetry_period": 0.04,
+        "telemetry_period": 0.02,
         "lockstep_followers": [""],
         "lockstep_timeout": 60.0,
     }

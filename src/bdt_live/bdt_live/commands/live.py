@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from bdt_bringup.run_plan import RunPlan
 
 DEFAULT_PORT = 8765
+EVERYWHERE = ("", "0.0.0.0", "::", "*")  # noqa: S104
+"""Addresses that are none: by which name a browser calls the server is compared with it."""
+
 ENDLESS = 1e9
 """Duration [s] of a loop that runs until somebody ends it."""
 
@@ -91,6 +94,8 @@ def _password(options: Namespace) -> str | None:
         raise BadInputError("--host and --password-file: must be given together")
     if options.password_file is None:
         return None
+    if options.host in EVERYWHERE:
+        raise BadInputError(f"--host {options.host}: must be one address of this computer")
     try:
         lines = options.password_file.read_text("utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:

@@ -13,7 +13,7 @@ export const RATHER = [
   ["controller", "pid.integral", "gain, integral"],
   ["controller", "pid.derivative", "gain, derivative"],
   ["plant", "sensor.noise", "noise of the sensor"],
-  ["plant", "motor.coulomb_friction", "friction of the motor"],
+  ["plant", "motor.coulomb_friction", "friction"],
   ["twin", "communication_delay", "delay of the link"],
 ];
 

@@ -25,6 +25,9 @@ export class Controls {
     this.lay();
   }
 
+  // Tell whether there is something to set of a node.
+  offers(node) { return Boolean(this.nodes.get(node)?.size); }
+
   takeValues({ node, values }) {
     for (const [name, value] of Object.entries(values)) {
       this.nodes.get(node)?.get(name)?.show(value);

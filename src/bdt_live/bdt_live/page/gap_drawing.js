@@ -13,7 +13,7 @@ export function contactOf(now) {
   return Math.abs(off) >= now.gap / 2 - TOUCHING ? Math.sign(off) : 0;
 }
 
-export function drawDial(context, now, { x, y, radius }) {
+export function drawDial(context, now, { x, y, radius, isNarrow }) {
   if (!Number.isFinite(now.gap)) {
     text(context, "what is inside is not known of a real machine", x - radius, y, palette.quiet);
     return;
@@ -51,10 +51,11 @@ export function drawDial(context, now, { x, y, radius }) {
   context.beginPath();
   context.arc(x, y, 7, 0, TURN);
   context.fill();
-  text(context, "motor in the screw's hub, to scale", x - radius, y - radius - 14, palette.quiet);
+  const words = isNarrow ? "to scale" : "motor in the screw's hub, to scale";
+  text(context, words, x - radius, y - radius - 14, palette.quiet);
 }
 
-export function drawSlot(context, now, { x, y, width, height }) {
+export function drawSlot(context, now, { x, y, width, height, isNarrow }) {
   if (!Number.isFinite(now.gap)) return;
   const full = Math.max(30 * DEGREE, now.gap);
   const scale = (width - 40) / full;
@@ -63,7 +64,9 @@ export function drawSlot(context, now, { x, y, width, height }) {
   const pin = 10;
   const contact = contactOf(now);
   text(context, `gap ${(now.gap / DEGREE).toFixed(2)}°`, x, y - 8, palette.text);
-  text(context, `${(scale * DEGREE).toFixed(0)} px a degree`, x + width, y - 8, palette.quiet, "right");
+  if (!isNarrow) {
+    text(context, `${(scale * DEGREE).toFixed(0)} px a degree`, x + width, y - 8, palette.quiet, "right");
+  }
   context.fillStyle = palette.metal;
   context.fillRect(x, y, middle - half - pin - x, height);
   context.fillRect(middle + half + pin, y, x + width - middle - half - pin, height);
@@ -76,7 +79,8 @@ export function drawSlot(context, now, { x, y, width, height }) {
   context.roundRect(at - pin, y + 3, 2 * pin, height - 6, 4);
   context.fill();
   if (contact) arrow(context, at + contact * (pin + 2), y + height / 2, contact * 18, palette.red);
-  const words = contact ? "in contact: the screw follows" : "inside the gap: the screw stands";
+  const [brief, more] = contact ? ["in contact", ": the screw follows"] : ["inside the gap", ": the screw stands"];
+  const words = isNarrow ? brief : brief + more;
   text(context, words, x, y + height + 17, contact ? palette.red : palette.orange);
 }
 

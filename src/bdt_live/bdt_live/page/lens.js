@@ -5,7 +5,7 @@ import { faded, palette } from "./palette.js";
 
 const NARROWEST = 50e-6; // m from the reference to an end of the lens
 
-export function drawLens(context, now, { x, y, width, height }) {
+export function drawLens(context, now, { x, y, width, height, isNarrow }) {
   const zone = Number.isFinite(now.dead_zone) ? now.dead_zone : 0;
   const reach = Math.max(NARROWEST, 1.6 * zone);
   const middle = x + width / 2;
@@ -21,7 +21,7 @@ export function drawLens(context, now, { x, y, width, height }) {
   context.fillRect(middle - 0.75, y - 4, 1.5, height + 8);
   const words = zone > 0 ? `dead zone ± ${(1e6 * zone).toFixed(1)} µm` : "no dead zone";
   text(context, words, x, y - 6, zone > 0 ? palette.green : palette.quiet);
-  text(context, `± ${(1e6 * reach).toFixed(0)} µm`, x + width, y - 6, palette.quiet, "right");
+  if (!isNarrow) text(context, `± ${(1e6 * reach).toFixed(0)} µm`, x + width, y - 6, palette.quiet, "right");
   if (!Number.isFinite(error)) return;
   const off = Math.max(Math.min(error * scale, width / 2), -width / 2);
   const beyond = Math.abs(error) > reach;

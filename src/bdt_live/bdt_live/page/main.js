@@ -39,7 +39,10 @@ const takers = {
     signals.clear();
     for (const { rows } of frames) signals.add(rows);
   },
-  parameters: (message) => controls.take(message),
+  parameters: (message) => {
+    controls.take(message);
+    timeControl.allow(controls.offers("plant"));
+  },
   values: (message) => controls.takeValues(message),
   state: (message) => {
     nodes.take(message);

@@ -6,42 +6,44 @@ import { drawLens } from "./lens.js";
 import { faded, palette } from "./palette.js";
 
 const TURN = 2 * Math.PI;
+const LEAST_TRAVEL = 0.006; // m from the middle to an end of what is drawn
+const MOTOR = 48; // px from the left to the motor's shaft
 
 export class Mechanism {
   constructor(canvas) {
     this.canvas = canvas;
-    this.travel = 0.006; // m from the middle to an end of what is drawn; grows with what happens
+    this.travel = LEAST_TRAVEL;
   }
 
   draw(now) {
     const drawing = drawingOf(this.canvas);
     if (!drawing) return;
     const { context, width, height } = drawing;
-    context.font = "12px system-ui, sans-serif";
+    context.font = "13px system-ui, sans-serif";
     context.lineJoin = "round";
     if (!now) {
       text(context, "nothing has been heard of the loop yet", width / 2, height / 2, palette.quiet, "center");
       return;
     }
-    for (const value of [now.reference, now.position]) {
-      if (Number.isFinite(value)) this.travel = Math.max(this.travel, 1.15 * Math.abs(value));
-    }
-    const narrow = width < 560;
-    const rail = height - 34;
-    const left = narrow ? 0.42 * width : 0.4 * width;
+    const reached = [now.reference, now.position].filter(Number.isFinite).map(Math.abs);
+    this.travel = Math.max(LEAST_TRAVEL, 0.9995 * this.travel, ...reached.map((each) => 1.15 * each));
+    const rail = height - 40;
+    const isNarrow = width < 480;
+    const left = (isNarrow ? 0.44 : 0.4) * width;
     const place = {
       x: (meters) => (left + width) / 2 + (meters / this.travel) * ((width - left) / 2 - 70),
       left, rail, width,
     };
     const levels = [rail - 30, rail - 0.3 * height, rail - 0.55 * height];
     drawReference(context, now, place, levels[2]);
-    drawScrew(context, now, place, narrow ? 44 : 60);
+    drawScrew(context, now, place, MOTOR);
     drawTower(context, now, place, levels);
-    drawMotor(context, now, narrow ? 44 : 60, rail);
-    const radius = Math.min(0.17 * width, 0.24 * height, 92);
-    drawDial(context, now, { x: radius + 24, y: radius + 30, radius });
-    drawSlot(context, now, { x: 20, y: 2 * radius + 62, width: left - 44, height: Math.min(0.1 * height, 34) });
-    drawLens(context, now, { x: left + 10, y: 18, width: width - left - 30, height: 30 });
+    drawMotor(context, now, MOTOR, rail);
+    const slot = Math.max(Math.min(0.08 * height, 30), 16);
+    const radius = Math.min(0.15 * width, (rail - slot - 120) / 2, 110);
+    drawDial(context, now, { x: radius + 24, y: radius + 26, radius, isNarrow });
+    drawSlot(context, now, { x: isNarrow ? 6 : 20, y: 2 * radius + 56, width: left - (isNarrow ? 20 : 44), height: slot, isNarrow });
+    drawLens(context, now, { x: left + 10, y: 18, width: width - left - (isNarrow ? 14 : 30), height: 30, isNarrow });
   }
 }
 
@@ -82,12 +84,12 @@ function drawScrew(context, now, place, motor) {
 }
 
 function drawMotor(context, now, x, rail) {
-  const radius = Math.min(x - 18, 36);
+  const radius = 28;
   context.fillStyle = palette.metal;
   context.strokeStyle = palette["metal-light"];
   context.lineWidth = 2;
   context.beginPath();
-  context.roundRect(x - radius - 8, rail - radius - 4, 2 * radius + 16, 2 * radius + 8 > 80 ? 76 : 2 * radius + 8, 8);
+  context.roundRect(x - radius - 8, rail - radius - 4, 2 * radius + 16, 2 * radius + 8, 8);
   context.fill();
   context.stroke();
   context.fillStyle = palette.background;
@@ -103,9 +105,9 @@ function drawMotor(context, now, x, rail) {
   context.stroke();
   const voltage = now.voltage_second;
   if (Number.isFinite(voltage)) {
-    const y = rail - radius - 20;
-    arrow(context, x, y, Math.max(Math.min(voltage * 4, 44), -44), palette.purple);
-    text(context, `${voltage.toFixed(2)} V`, x, y - 9, palette.purple, "center");
+    const begin = x + radius + 18;
+    text(context, `${voltage.toFixed(2)} V`, begin, rail - 30, palette.purple);
+    arrow(context, begin + 30, rail - 20, Math.max(Math.min(voltage * 4, 40), -40), palette.purple);
   }
 }
 

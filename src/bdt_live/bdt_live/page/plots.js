@@ -3,7 +3,7 @@
 /* global uPlot */
 import { faded, palette } from "./palette.js";
 
-const HEIGHT = 150;
+const LEAST_HEIGHT = 96; // px
 const MILLI = 1e3;
 const DEGREES = 180 / Math.PI;
 
@@ -49,7 +49,8 @@ export class Plots {
     this.marks = [];
     this.turn = 0;
     this.build();
-    new ResizeObserver(() => this.resize()).observe(places.position);
+    const observer = new ResizeObserver(() => this.resize());
+    for (const place of Object.values(places)) observer.observe(place);
   }
 
   build() {
@@ -59,19 +60,23 @@ export class Plots {
 
   resize() {
     for (const name of this.names) {
-      this.plots[name].setSize({ width: this.places[name].clientWidth - 12, height: HEIGHT });
+      this.plots[name].setSize(this.sizeOf(name));
     }
   }
 
+  sizeOf(name) {
+    const { clientWidth, clientHeight } = this.places[name];
+    return { width: Math.max(clientWidth - 12, 120), height: Math.max(clientHeight - 30, LEAST_HEIGHT) };
+  }
+
   create(name) {
-    const { title, series, band, least } = PLOTS[name];
-    const axis = { stroke: palette.quiet, grid: { stroke: faded(palette.edge, 0.7), width: 1 }, ticks: { show: false }, font: "11px system-ui" };
+    const { series, band, least } = PLOTS[name];
+    this.places[name].replaceChildren(heading(PLOTS[name]));
+    const axis = { stroke: palette.quiet, grid: { stroke: faded(palette.edge, 0.7), width: 1 }, ticks: { show: false }, font: "12px system-ui" };
     const options = {
-      title,
-      width: Math.max(this.places[name].clientWidth - 12, 200),
-      height: HEIGHT,
+      ...this.sizeOf(name),
       cursor: { sync: { key: "time" }, drag: { x: false, y: false } },
-      legend: { live: false },
+      legend: { show: false },
       scales: { x: { time: false, auto: false }, y: { range: (_plot, low, high) => spread(low, high, least) } },
       axes: [{ ...axis, size: 28, values: (_plot, values) => values.map((t) => `${+t.toFixed(1)} s`) }, { ...axis, size: 52 }],
       series: [{}, ...series.map(([label, color, , more]) => ({
@@ -81,11 +86,7 @@ export class Plots {
       bands: band ? [{ series: band.slice(0, 2), fill: faded(palette[band[2]], 0.22) }] : [],
       hooks: { draw: [(plot) => this.drawMarks(plot)] },
     };
-    const plot = new uPlot(options, [[], ...series.map(() => [])], this.places[name]);
-    for (const row of plot.root.querySelectorAll(".u-legend .u-series")) {
-      if (!row.querySelector(".u-label")?.textContent) row.remove();
-    }
-    return plot;
+    return new uPlot(options, [[], ...series.map(() => [])], this.places[name]);
   }
 
   // Draw one of the plots, the next one each time: all of them at once would cost a frame.
@@ -94,12 +95,11 @@ export class Plots {
     const name = this.names[this.turn];
     this.turn = (this.turn + 1) % this.names.length;
     const { columns } = signals;
-    const end = signals.indexAt(signals.shown) + 1;
+    const stop = signals.indexAt(signals.shown) + 1;
     const begin = Math.max(signals.indexAt(signals.shown - this.window), signals.begin);
-    // A long window has more rows than pixels: of each few the two points of an extreme stay.
-    const count = 2 * Math.max(end - begin, 0);
+    const count = 2 * Math.max(stop - begin, 0);
     const data = [new Float64Array(count), ...PLOTS[name].series.map(() => new Array(count))];
-    for (let n = begin, place = 0; n < end; n += 1) {
+    for (let n = begin, place = 0; n < stop; n += 1) {
       for (const second of [false, true]) {
         data[0][place] = columns.time[n] + (second ? 0.005 : 0);
         PLOTS[name].series.forEach(([, , value], index) => {
@@ -112,7 +112,8 @@ export class Plots {
     const plot = this.plots[name];
     plot.batch(() => {
       plot.setData(data, false);
-      plot.setScale("x", { min: signals.shown - this.window, max: signals.shown });
+      const end = Math.max(signals.shown, columns.time[signals.begin] + this.window);
+      plot.setScale("x", { min: end - this.window, max: end });
     });
   }
 
@@ -129,6 +130,21 @@ export class Plots {
       context.stroke();
     }
   }
+}
+
+// The title, and what each color means.
+function heading({ title, series }) {
+  const place = document.createElement("div");
+  place.className = "heading";
+  const words = document.createElement("span");
+  words.textContent = title;
+  place.append(words, ...series.filter(([label]) => label).map(([label, color]) => {
+    const entry = document.createElement("span");
+    entry.className = `entry ${color}`;
+    entry.textContent = label;
+    return entry;
+  }));
+  return place;
 }
 
 function spread(low, high, least) {

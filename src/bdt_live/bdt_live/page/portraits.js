@@ -11,6 +11,7 @@ export class Portraits {
   constructor(hysteresis, phase) {
     this.canvases = { hysteresis, phase };
     this.reach = { ...SMALLEST };
+    this.drawn = {}; // wall times [s] of the last pictures
   }
 
   draw(signals) {
@@ -36,8 +37,11 @@ export class Portraits {
       (most, [x, y]) => Math.max(most, Math.abs(x) || 0, name === "phase" ? Math.abs(y) / 12 || 0 : Math.abs(y) || 0),
       SMALLEST[name],
     );
-    // Grows at once, shrinks slowly, so that the eye can follow.
-    this.reach[name] = Math.max(1.15 * largest, 0.97 * this.reach[name]);
+    // Grows at once, shrinks within a second, so that the eye can follow.
+    const now = performance.now() / 1e3;
+    const kept = Math.exp(-4 * (now - (this.drawn[name] ?? now)));
+    this.drawn[name] = now;
+    this.reach[name] = Math.max(1.15 * largest, kept * this.reach[name]);
     const reach = this.reach[name];
     const tall = name === "phase" ? 12 * reach : reach;
     const toX = (x) => width / 2 + (x / reach) * (width / 2 - 8);

@@ -7,7 +7,8 @@ export const COLUMNS = [
 
 const KEPT = 12000; // rows: two minutes
 const BUCKET = 0.01; // s, of a row
-const LAG = 0.09; // s of wall time by which what is shown is behind the newest row
+const LEAST_LAG = 0.04; // s of wall time by which what is shown is behind the newest row
+const MOST_LAG = 0.25;
 
 export class Signals {
   constructor() {
@@ -20,6 +21,7 @@ export class Signals {
     this.end = 0;
     this.shown = null; // time that the page shows
     this.rate = 1; // simulated seconds in a second, as they come
+    this.lag = LEAST_LAG; // s, as long as the longest wait for rows of late
     this.arrivals = [];
   }
 
@@ -51,6 +53,9 @@ export class Signals {
   noteArrival(now) {
     this.arrivals.push([now, this.newest]);
     while (this.arrivals.length > 2 && now - this.arrivals[0][0] > 1) this.arrivals.shift();
+    const waits = this.arrivals.slice(1).map(([at], index) => at - this.arrivals[index][0]);
+    const wanted = Math.min(Math.max(LEAST_LAG, 1.2 * Math.max(0, ...waits)), MOST_LAG);
+    this.lag = Math.max(wanted, 0.98 * this.lag);
     const [begin, time] = this.arrivals[0];
     if (now - begin > 0.2) this.rate = Math.max((this.newest - time) / (now - begin), 0);
   }
@@ -58,7 +63,7 @@ export class Signals {
   // Let what is shown go on by a time on the wall [s], evenly although rows come in batches.
   advance(elapsed) {
     if (this.newest === null) return;
-    const goal = this.newest - LAG * this.rate;
+    const goal = this.newest - this.lag * this.rate;
     const off = this.shown === null ? Infinity : goal - this.shown;
     if (Math.abs(off) > 0.5 * Math.max(this.rate, 0.2)) {
       this.shown = goal;

@@ -17,7 +17,13 @@ export class TimeControl {
     for (const button of document.querySelectorAll("[data-preset]")) {
       button.addEventListener("click", () => this.ask("preset", { preset: button.dataset.preset }));
     }
+    this.allow(false);
     document.addEventListener("keydown", (event) => this.press(event));
+  }
+
+  // Presets and wear are for a loop that can be asked, which a bag cannot.
+  allow(isAllowed) {
+    for (const button of document.querySelectorAll("[data-preset], #wear")) button.disabled = !isAllowed;
   }
 
   button(name) { return document.getElementById(name); }

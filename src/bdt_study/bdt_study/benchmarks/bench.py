@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, replace
 from functools import partial
-from importlib.metadata import version
+from importlib.metadata import entry_points, version
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -17,6 +17,7 @@ from scipy.signal import lfilter
 from bdt_controller.controller import ControllerSettings, DeadZoneController
 from bdt_controller.pid import PidGains
 from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.commands import BENCHMARK_GROUP
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_study.benchmarks.c_loop import FLAGS, KEPT, NoCompilerError, build_c_loop, c_loop_call
@@ -56,7 +57,7 @@ def run_benchmarks(names: Iterable[str] = (), size: BenchmarkSize | None = None)
     Parameters
     ----------
     names : iterable of str
-        Names out of ``BENCHMARKS``; none for all.
+        Names out of ``BENCHMARKS``, none for all of these, or of benchmarks of other packages.
     size : BenchmarkSize, optional
         How much to compute; None for the size that the README's numbers are of.
 
@@ -72,12 +73,17 @@ def run_benchmarks(names: Iterable[str] = (), size: BenchmarkSize | None = None)
         For an unknown name.
     """
     wanted = list(names) or list(BENCHMARKS)
+    others = {point.name: point for point in entry_points(group=BENCHMARK_GROUP)}
     for name in wanted:
-        if name not in BENCHMARKS:
-            raise BadInputError(f"benchmark {name!r}: must be one of {', '.join(BENCHMARKS)}")
-    results = [
-        asdict(result) for name in wanted for result in BENCHMARKS[name](size or BenchmarkSize())
-    ]
+        if name not in BENCHMARKS and name not in others:
+            known = ", ".join((*BENCHMARKS, *others))
+            raise BadInputError(f"benchmark {name!r}: must be one of {known}")
+    results: list[dict[str, Any]] = []
+    for name in wanted:
+        if name in BENCHMARKS:
+            results += [asdict(result) for result in BENCHMARKS[name](size or BenchmarkSize())]
+        else:
+            results += others[name].load()()
     return {"machine": machine(), "results": results}
 
 

@@ -1,0 +1,139 @@
+"""A loop with its page in a browser, one for all tests: starting either takes seconds."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from queue import Empty, Queue
+from typing import Any
+
+import pytest
+
+DEADLINE = 120.0
+"""Wall time [s] after which a condition counts as never met."""
+
+
+class LiveProgram:
+    """`bdt live` as a process.
+
+    Attributes
+    ----------
+    address : str
+        What it has printed.
+    output : Path
+        Its folder.
+    domain, port : int
+        Its ROS domain and its port.
+    """
+
+    def __init__(
+        self,
+        output: Path,
+        *arguments: str,
+        domain: int,
+        port: int | None = None,
+        is_awaited: bool = True,
+    ) -> None:
+        self.output, self.domain, self.port = output, domain, port or free_port()
+        self._environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+        command = [sys.executable, "-m", "bdt_bringup.program", "live", "--output", str(output)]
+        command += ["--port", str(self.port)]
+        self.process = subprocess.Popen(
+            [*command, *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=self._environment,
+        )
+        if is_awaited:
+            self._await_address()
+
+    def _await_address(self) -> None:
+        lines: Queue[str] = Queue()
+
+        def read() -> None:
+            for line in self.process.stdout:
+                lines.put(line.strip())
+
+        threading.Thread(target=read, daemon=True).start()
+        try:
+            self.address = lines.get(timeout=DEADLINE)
+        except Empty:
+            self.end()
+            raise AssertionError(f"no address within {DEADLINE} s") from None
+
+    def ros2(self, *arguments: str) -> None:
+        """Run ``ros2`` beside the loop."""
+        ros2 = shutil.which("ros2", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}")
+        subprocess.run([ros2, *arguments], env=self._environment, check=True, capture_output=True)
+
+    def processes(self, module: str) -> list[int]:
+        """Return the nodes that run a module."""
+        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children")
+        return [
+            int(child)
+            for child in children.read_text().split()
+            if module.encode() in Path(f"/proc/{child}/cmdline").read_bytes()
+        ]
+
+    def end(self) -> str:
+        """End the program as Ctrl-C does, and return what it has complained about."""
+        self.process.send_signal(signal.SIGINT)
+        self.process.wait(timeout=DEADLINE)
+        return self.process.stderr.read()
+
+
+def free_port() -> int:
+    """Return a port of this computer that nobody listens on."""
+    with socket.socket() as listening:
+        listening.bind(("127.0.0.1", 0))
+        return listening.getsockname()[1]
+
+
+@pytest.fixture(scope="session")
+def live_loop(tmp_path_factory: pytest.TempPathFactory, claim_domain: Any) -> Iterator[LiveProgram]:
+    """Return a loop of the paper's figure 7 that runs for all tests."""
+    output = tmp_path_factory.mktemp("live") / "output"
+    program = LiveProgram(output, domain=claim_domain())
+    yield program
+    complaints = [line for line in program.end().splitlines() if "is started anew" not in line]
+    assert complaints == []
+    assert program.process.returncode == 0
+
+
+@pytest.fixture
+def beside(tmp_path: Path) -> Iterator[Callable[..., LiveProgram]]:
+    """Return a function that starts another one with some arguments."""
+    programs: list[LiveProgram] = []
+
+    def start(*arguments: str, **options: Any) -> LiveProgram:
+        programs.append(LiveProgram(tmp_path / f"output-{len(programs)}", *arguments, **options))
+        return programs[-1]
+
+    yield start
+    for program in programs:
+        if program.process.poll() is None:
+            program.end()
+
+
+@pytest.fixture(scope="session")
+def page(browser: Any, live_loop: LiveProgram) -> Any:
+    """Return the browser with the page of the loop, once the loop moves."""
+    browser.events.clear()
+    browser.command(
+        "Emulation.setDeviceMetricsOverride",
+        width=1500,
+        height=950,
+        deviceScaleFactor=1,
+        mobile=False,
+    )
+    browser.command("Page.navigate", url=live_loop.address)
+    browser.wait_for("document.getElementById('state')?.dataset.word === 'ok'")
+    browser.wait_for("document.getElementById('twin.reconfigure') !== null")
+    browser.wait_for("document.getElementById('plant.gap.initial') !== null")
+    return browser

@@ -1,0 +1,224 @@
+"""The page of `bdt live` in a real browser, on a loop that runs.
+
+The tests share one loop and one page, and leave both as they found them.
+"""
+
+import json
+import os
+import re
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from bdt_live.extremes import COLUMNS
+
+DEADLINE = 120.0
+"""Wall time [s] after which a condition counts as never met."""
+
+GAP = "plant.gap.initial"
+
+
+def value_of(page, control):
+    return page.evaluate(f"Number(document.getElementById('{control}').value)")
+
+
+def type_into(page, control, text):
+    page.evaluate(
+        f"(() => {{ const field = document.getElementById('{control}');"
+        f"field.focus(); field.value = {json.dumps(text)};"
+        "field.dispatchEvent(new Event('change', {bubbles: true})); })()"
+    )
+
+
+def press(page, key):
+    page.evaluate("document.activeElement.blur()")
+    for kind in ("keyDown", "keyUp"):
+        page.command(
+            "Input.dispatchKeyEvent", type=kind, key=key, text=key if len(key) == 1 else ""
+        )
+
+
+def seconds(page):
+    return float(page.evaluate("document.getElementById('time').textContent").split()[0])
+
+
+def wait_until_shown(page, text, where="log"):
+    page.wait_for(f"document.getElementById('{where}').textContent.includes({json.dumps(text)})")
+
+
+def test_columns_are_those_of_the_rows():
+    source = (Path(__file__).parents[2] / "src/bdt_live/bdt_live/page/signals.js").read_text()
+    listed = re.search(r"COLUMNS = \[(.*?)\]", source, re.DOTALL)[1]
+    assert tuple(re.findall(r'"(\w+)"', listed)) == COLUMNS
+
+
+def test_the_page_loads_from_this_server_alone_and_complains_of_nothing(page, live_loop):
+    origin = live_loop.address.split("?")[0]
+    begin = seconds(page)
+    page.wait_for(f"parseFloat(document.getElementById('time').textContent) > {begin + 1}")
+    assert [each for each in page.complaints() if not each.startswith(origin)] == []
+    assert page.evaluate("location.href") == origin
+
+
+def test_the_mechanism_and_every_plot_is_drawn(page):
+    painted = """[...document.querySelectorAll('canvas')].map((canvas) => {
+        const {width, height} = canvas;
+        const data = canvas.getContext('2d').getImageData(0, 0, width, height).data;
+        return data.some((value) => value !== 0);
+    })"""
+    page.wait_for(f"({painted}).length === 6 && ({painted}).every((each) => each)")
+
+
+def test_a_dragged_gap_reaches_the_plant(page):
+    box = page.evaluate(
+        f"(() => {{ const box = document.getElementById('{GAP}').parentElement"
+        ".querySelector('input[type=range]').getBoundingClientRect();"
+        "return [box.left, box.top, box.width, box.height]; })()"
+    )
+    left, top, width, height = box
+    begin = (left + 8, top + height / 2)
+    page.drag(begin, (left + width / 2, top + height / 2))
+    page.wait_for(f"document.getElementById('{GAP}').value > 10")
+    assert 12.0 < value_of(page, GAP) < 18.0
+
+
+def test_a_value_that_a_node_refuses_shows_its_reason_and_goes_back(page):
+    control = "controller.pid.filter_time"
+    before = value_of(page, control)
+    type_into(page, control, "-1")
+    reason = f"document.getElementById('{control}').closest('.control').querySelector('.reason')"
+    page.wait_for(f"!{reason}.hidden")
+    assert "filter_time" in page.evaluate(f"{reason}.textContent")
+    assert value_of(page, control) == before
+    type_into(page, control, str(before))
+    page.wait_for(f"{reason}.hidden")
+
+
+def test_somebody_else_s_change_moves_the_slider(page, live_loop):
+    control = "controller.pid.integral"
+    before = value_of(page, control)
+    live_loop.ros2("param", "set", "/controller", "pid.integral", "20000.0")
+    page.wait_for(f"document.getElementById('{control}').value === '20000'")
+    live_loop.ros2("param", "set", "/controller", "pid.integral", f"{before:.1f}")
+    page.wait_for(f"document.getElementById('{control}').value === '{before:.0f}'")
+
+
+def test_a_dead_zone_is_taken_over_from_the_twin_and_given_back(page):
+    twin = "document.getElementById('twin.reconfigure')"
+    type_into(page, "controller.dead_zone_tolerance", "40")
+    page.wait_for(f"!{twin}.checked")
+    page.wait_for("document.getElementById('controller.dead_zone_tolerance').value === '40'")
+    page.evaluate(f"{twin}.click()")
+    page.wait_for(f"{twin}.checked")
+    page.wait_for("document.getElementById('controller.dead_zone_tolerance').value !== '40'")
+
+
+def test_the_loop_waits_makes_a_step_and_goes_on(page):
+    press(page, " ")
+    page.wait_for("document.getElementById('pause').getAttribute('aria-pressed') === 'true'")
+    page.wait_for("!document.getElementById('step').disabled")
+    settled = "new Promise((done) => setTimeout(() => done(true), 300))"
+    page.evaluate(settled)
+    before = seconds(page)
+    press(page, ".")
+    page.wait_for(f"parseFloat(document.getElementById('time').textContent) > {before}")
+    page.evaluate(settled)
+    assert 0.02 <= seconds(page) - before <= 0.13
+    press(page, " ")
+    page.wait_for("document.getElementById('pause').getAttribute('aria-pressed') === 'false'")
+    page.wait_for(f"parseFloat(document.getElementById('time').textContent) > {before + 0.5}")
+
+
+def test_the_loop_goes_at_the_pace_that_is_chosen(page):
+    choose = (
+        "(() => {{ const pace = document.getElementById('pace'); pace.value = '{}';"
+        "pace.dispatchEvent(new Event('change')); }})()"
+    )
+    page.evaluate(choose.format("0.1"))
+    page.wait_for("parseFloat(document.getElementById('rate').textContent) < 100")
+    page.evaluate(choose.format("1"))
+    page.wait_for("parseFloat(document.getElementById('rate').textContent) > 300")
+
+
+def test_a_preset_is_one_click(page):
+    page.evaluate("document.querySelector('[data-preset=linear]').click()")
+    page.wait_for("!document.getElementById('twin.reconfigure').checked")
+    page.wait_for("document.getElementById('controller.dead_zone_tolerance').value === '0'")
+    page.evaluate("document.querySelector('[data-preset=paper]').click()")
+    page.wait_for("document.getElementById('twin.reconfigure').checked")
+
+
+def test_the_last_minute_is_saved_as_a_bag_with_a_report(page, live_loop):
+    press(page, "m")
+    wait_until_shown(page, "marked at")
+    page.evaluate("document.getElementById('save').click()")
+    wait_until_shown(page, "saved bag-")
+    (bag,) = live_loop.output.glob("bag-*")
+    assert (bag / "metadata.yaml").is_file()
+    wait_until_shown(page, "report of bag-")
+    link = page.evaluate("document.querySelector('#log a').href")
+    body = page.evaluate(f"fetch({json.dumps(link)}).then((answer) => answer.text())")
+    assert "<html" in body
+
+
+def frames_go_on(page):
+    frames = "Number(document.documentElement.dataset.frames)"
+    page.wait_for(f"{frames} > {page.evaluate(frames) + 5}")
+
+
+def test_a_node_that_hangs_is_told_and_what_it_is_asked_for_is_given_up(page, live_loop):
+    (twin,) = live_loop.processes("bdt_twin.twin_node")
+    os.kill(twin, signal.SIGSTOP)
+    try:
+        type_into(page, "twin.communication_delay", "0.5")
+        wait_until_shown(page, "has not answered within 2 s", "controls")
+        wait_until_shown(page, "silent for", "nodes")
+        frames_go_on(page)
+    finally:
+        os.kill(twin, signal.SIGCONT)
+    page.wait_for("!document.getElementById('nodes').textContent.includes('silent for')")
+    type_into(page, "twin.communication_delay", "1")
+    page.wait_for("!document.getElementById('controls').textContent.includes('not answered')")
+
+
+def test_a_killed_controller_is_started_anew_while_the_page_goes_on(page, live_loop):
+    (before,) = live_loop.processes("bdt_controller.controller_node")
+    os.kill(before, signal.SIGKILL)
+    frames_go_on(page)
+    end = time.monotonic() + DEADLINE
+    while live_loop.processes("bdt_controller.controller_node") in ([], [before]):
+        assert time.monotonic() < end
+        frames_go_on(page)
+    page.wait_for(f"parseFloat(document.getElementById('time').textContent) > {seconds(page) + 1}")
+
+
+def connect(page, *, offline):
+    speed = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
+    page.command("Network.emulateNetworkConditions", offline=offline, **speed)
+
+
+def test_a_lost_connection_is_told_and_comes_back_with_what_was_meanwhile(page):
+    state = "document.getElementById('state')"
+    before = seconds(page)
+    connect(page, offline=True)
+    try:
+        page.evaluate("window.dispatchEvent(new Event('offline'))")
+        page.wait_for(f"{state}.dataset.word === 'waiting'")
+    finally:
+        connect(page, offline=False)
+    page.wait_for(f"{state}.dataset.word === 'ok'")
+    page.wait_for(f"parseFloat(document.getElementById('time').textContent) > {before}")
+
+
+@pytest.mark.parametrize("width", [360, 800])
+def test_on_a_narrow_screen_nothing_sticks_out(page, width):
+    page.command(
+        "Emulation.setDeviceMetricsOverride",
+        width=width,
+        height=800,
+        deviceScaleFactor=1,
+        mobile=False,
+    )
+    page.wait_for("document.documentElement.scrollWidth <= window.innerWidth")

@@ -1,0 +1,96 @@
+"""A bag as a stream: all of it, at its pace, as often as wanted."""
+
+import json
+import threading
+
+import numpy as np
+import pytest
+
+from bdt_bags.reading.recording import load_recording
+from bdt_bags.run_signals import RunSignals
+from bdt_live.bag_process import BagShow
+from bdt_live.channel import Channel, channel_pair
+from bdt_live.extremes import COLUMNS
+from bdt_live.from_server import page_asks, page_has_come
+from bdt_live.playback import Playback
+from bdt_msgs_py.stop_signals import StopSignals
+
+
+@pytest.fixture
+def run():
+    times = np.arange(10_000) / 5000 + 3.0
+    truth = np.zeros((1000, 7))
+    truth[:, 0], truth[:, 3] = times[::10], 0.1
+    return RunSignals(
+        telemetry=np.column_stack([times, np.zeros(times.size), np.sin(times)]),
+        truth=truth,
+        reference=np.array([[3.0, 0.005], [4.0, 0.0]]),
+        estimates=np.empty((0, 2)),
+        dead_zones=np.array([[3.5, 1e-5]]),
+        pitch=None,
+    )
+
+
+def column(rows, name):
+    return [row[COLUMNS.index(name)] for row in rows]
+
+
+def test_a_run_is_played_at_its_pace(run):
+    playback = Playback(run)
+    playback.pace = 2.0
+    rows = playback.advance(0.5)
+    assert column(rows, "time")[0] == 3.0
+    assert column(rows, "time")[-1] == pytest.approx(3.99)
+
+
+def test_every_row_is_played_once_and_the_end_is_a_pause(run):
+    playback, rows = Playback(run), []
+    while not playback.is_paused:
+        rows += playback.advance(0.04)
+    assert playback.is_over
+    np.testing.assert_allclose(column(rows, "time"), 3.0 + 0.01 * np.arange(199))
+    assert set(column(rows, "gap")) == {0.1}
+
+
+def test_what_holds_changes_when_the_run_says_so(run):
+    playback = Playback(run)
+    first, second, third = (playback.advance(0.4)[-1] for _ in range(3))
+    of = COLUMNS.index
+    assert (first[of("reference")], first[of("dead_zone")]) == (0.005, None)
+    assert (second[of("reference")], second[of("dead_zone")]) == (0.005, 1e-5)
+    assert (third[of("reference")], third[of("estimate")]) == (0.0, None)
+
+
+def test_paused_it_goes_on_by_steps_alone(run):
+    playback = Playback(run)
+    playback.advance(0.1)
+    playback.is_paused = True
+    assert playback.advance(1.0) == []
+    assert len(playback.step()) == 4
+
+
+def test_a_bag_is_told_to_the_page_which_may_pause_and_not_set(following_bag):
+    own, other = (Channel(end) for end in channel_pair())
+    show = BagShow(other, load_recording(following_bag))
+    with StopSignals() as signals:
+        playing = threading.Thread(target=show.run, args=(signals,))
+        playing.start()
+        try:
+            own.send(page_has_come())
+            own.send(page_asks(1, '{"number": 1, "action": "pace", "amount": 10}'))
+            own.send(page_asks(1, '{"number": 2, "action": "wear"}'))
+            heard = {}
+            while (
+                not {"frame", "parameters", "reply", "state"} <= set(heard)
+                or len(heard["reply"]) < 2
+            ):
+                for text in own.receive():
+                    message = json.loads(text)
+                    heard.setdefault(message["type"], []).append(message)
+        finally:
+            own.close()
+            playing.join()
+            other.close()
+    assert [each["reason"] for each in heard["reply"]] == [None, "this is a bag: it is what it is"]
+    assert heard["parameters"][0]["controls"][0]["name"] == "lead_screw.pitch"
+    assert len(heard["frame"][0]["rows"][0]) == len(COLUMNS)
