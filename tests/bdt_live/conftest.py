@@ -17,6 +17,17 @@ import pytest
 DEADLINE = 120.0
 """Wall time [s] after which a condition counts as never met."""
 
+KEEP_SOCKETS = """
+window.sockets = [];
+window.WebSocket = class extends WebSocket {
+  constructor(...given) {
+    super(...given);
+    window.sockets.push(this);
+  }
+};
+"""
+"""Run before the page, so that a test can break the connection."""
+
 
 class LiveProgram:
     """`bdt live` as a process.
@@ -122,7 +133,7 @@ def beside(tmp_path: Path) -> Iterator[Callable[..., LiveProgram]]:
 
 
 @pytest.fixture(scope="session")
-def page(browser: Any, live_loop: LiveProgram) -> Any:
+def page(browser: Any, live_loop: LiveProgram) -> Iterator[Any]:
     """Return the browser with the page of the loop, once the loop moves."""
     browser.events.clear()
     browser.command(
@@ -132,8 +143,10 @@ def page(browser: Any, live_loop: LiveProgram) -> Any:
         deviceScaleFactor=1,
         mobile=False,
     )
+    kept = browser.command("Page.addScriptToEvaluateOnNewDocument", source=KEEP_SOCKETS)
     browser.command("Page.navigate", url=live_loop.address)
     browser.wait_for("document.getElementById('state')?.dataset.word === 'ok'")
     browser.wait_for("document.getElementById('twin.reconfigure') !== null")
     browser.wait_for("document.getElementById('plant.gap.initial') !== null")
-    return browser
+    yield browser
+    browser.command("Page.removeScriptToEvaluateOnNewDocument", **kept)

@@ -91,15 +91,15 @@ export class Control {
   drag() {
     this.field.value = this.worded(Number(this.slider.value));
     if (this.waiting) return;
+    const value = Number(this.slider.value);
+    this.ask(value);
     this.waiting = setTimeout(() => {
       this.waiting = null;
-      this.ask(Number(this.slider.value));
+      if (Number(this.slider.value) !== value) this.drag();
     }, this.shortest);
   }
 
   async ask(value) {
-    clearTimeout(this.waiting);
-    this.waiting = null;
     this.asked = (this.asked ?? 0) + 1;
     const turn = this.asked;
     const reason = await this.setValue(value);

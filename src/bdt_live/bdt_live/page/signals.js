@@ -21,7 +21,7 @@ export class Signals {
     this.end = 0;
     this.shown = null; // time that the page shows
     this.rate = 1; // simulated seconds in a second, as they come
-    this.lag = LEAST_LAG; // s, as long as the longest wait for rows of late
+    this.lag = LEAST_LAG; // s, as long as the waits for rows of late
     this.arrivals = [];
   }
 
@@ -54,7 +54,9 @@ export class Signals {
     this.arrivals.push([now, this.newest]);
     while (this.arrivals.length > 2 && now - this.arrivals[0][0] > 1) this.arrivals.shift();
     const waits = this.arrivals.slice(1).map(([at], index) => at - this.arrivals[index][0]);
-    const wanted = Math.min(Math.max(LEAST_LAG, 1.2 * Math.max(0, ...waits)), MOST_LAG);
+    // One wait in ten may be longer: time then stands still for a moment.
+    const usual = waits.sort((a, b) => a - b)[Math.floor(0.9 * waits.length)] ?? 0;
+    const wanted = Math.min(Math.max(LEAST_LAG, 1.2 * usual), MOST_LAG);
     this.lag = Math.max(wanted, 0.98 * this.lag);
     const [begin, time] = this.arrivals[0];
     if (now - begin > 0.2) this.rate = Math.max((this.newest - time) / (now - begin), 0);
