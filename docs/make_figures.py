@@ -1,7 +1,8 @@
 """Draws the pictures in docs/source/pictures anew: all of them, or those that are named.
 
 Not drawn here are plotjuggler.png, lichtblick.png and rqt_plot.png: they show other people's
-programs, and were taken by hand; so was live.png, of a loop that ran. Pictures of pages need chromium; without it they stay as they are.
+programs, and were taken by hand; so was live.png, of a loop that ran. Pictures of pages need
+chromium; without it they stay as they are.
 """
 
 import argparse
