@@ -10,6 +10,7 @@ Exit code 1 if a schedule failed.
 
 import argparse
 import os
+import signal
 import sys
 import tempfile
 from functools import partial
@@ -39,6 +40,8 @@ def main():
     )
     parser.add_argument("--results", type=Path, help="file to go on with")
     options = parser.parse_args()
+    # However it is ended, it ends the loop that it has started.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     judge = partial(judge_in_real_time if options.machine else judge_in_lockstep, claim_domain())
     if options.schedule is not None:
         verdict = judge(schedule_from(options.schedule))
