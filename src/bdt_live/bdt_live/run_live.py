@@ -4,6 +4,7 @@ import asyncio
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import webbrowser
@@ -76,6 +77,7 @@ def run_live(settings: LiveSettings, access: Access) -> int:
     LoopError
         If the process behind the page has ended.
     """
+    _check_port(access)
     create_folder(settings.output)
     supervisor = Supervisor(settings.plan) if settings.plan else None
     try:
@@ -209,6 +211,16 @@ class _Session:
             raise
         reason = None if process.returncode == 0 else said.decode(errors="replace").strip()[-300:]
         self._viewers.tell(json.dumps({"type": "report", "bag": bag, "reason": reason}))
+
+
+def _check_port(access: Access) -> None:
+    """Refuse a port that is taken before anything is started for it."""
+    try:
+        socket.create_server((access.host, access.port)).close()
+    except OSError as error:
+        raise BadInputError(
+            f"--port {access.port}: cannot listen on {access.host}: {error.strerror}"
+        ) from error
 
 
 def _start(settings: LiveSettings, number: int) -> subprocess.Popen[bytes]:
