@@ -70,6 +70,7 @@ PROVIDERS = {
 WITHOUT_ROSDEP = {
     ("bdt_analysis", "plotly"): "pages show pictures alone",
     ("bdt_analysis", "pyarrow"): "--export parquet is refused; the extra `parquet` for pip",
+    ("bdt_study", "pyarrow"): "bdt sweep is refused; the extra `sweep` for pip",
 }
 """What package.xml cannot name for want of a key: package, import, and what is without it."""
 

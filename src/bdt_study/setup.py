@@ -40,6 +40,7 @@ setup(
         "rich>=13",
         "scipy>=1.11",
     ],
+    extras_require={"sweep": ["pyarrow>=14"]},
     zip_safe=False,
     entry_points={
         "bdt.command": [
@@ -48,6 +49,7 @@ setup(
             "design = bdt_study.commands.design:COMMAND",
             "evaluate = bdt_study.commands.evaluate:COMMAND",
             "reproduce = bdt_study.commands.reproduce:COMMAND",
+            "sweep = bdt_study.commands.sweep:COMMAND",
             "tune = bdt_study.commands.tune:COMMAND",
         ],
     },

@@ -30,6 +30,7 @@ PACKAGE_OF_COMMAND = {
     "tune": "bdt_study",
     "reproduce": "bdt_study",
     "evaluate": "bdt_study",
+    "sweep": "bdt_study",
     "bench": "bdt_study",
     "hardware-check": "bdt_driver",
     "drive-emulator": "bdt_drive_emulator",

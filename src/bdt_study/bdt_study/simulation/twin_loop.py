@@ -115,7 +115,7 @@ def simulate_with_twin(
     decision : DecisionSettings
         How dead zone and gains are decided on; by the rule of `dead_zone` by default.
     believed : PlantModel, optional
-        The mechanism as the twin knows it, for decisions; the scenario's by default.
+        The mechanism as the twin knows it, for eq. 9 and decisions; the scenario's by default.
     redesign : ControllerGains, optional
         Gains that a simulated decision may set, if its settings say so.
 
@@ -133,11 +133,12 @@ def simulate_with_twin(
     if estimator is None:
         settings = InverseFilterSettings(sampling_rate=rate)
         estimator = InverseFilterEstimator(scenario.model, settings)
-    rule = DeadZoneRule(dead_zone, scenario.model.lead_screw.pitch)
+    believed = scenario.model if believed is None else believed
+    rule = DeadZoneRule(dead_zone, believed.lead_screw.pitch)
     delayed, gains = DelayedLink(link), ControllerGains(scenario.gains, scenario.notch)
     decider = create_decider(
         decision,
-        scenario.model if believed is None else believed,
+        believed,
         gains,
         redesign or gains,
         estimator,

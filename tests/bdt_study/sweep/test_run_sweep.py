@@ -1,0 +1,193 @@
+"""`bdt sweep` as a command: the same bytes whoever works on them and whatever ends it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from multiprocessing import active_children
+from pathlib import Path
+
+import pytest
+
+from bdt_bringup.cli import run_command
+from bdt_msgs_py.command_errors import BAD_INPUT, FAILED, INTERRUPTED, LoopError
+from bdt_study.sweep import engine, run_sweep
+from bdt_study.sweep.batches import batches
+from bdt_study.sweep.data_set import PARTS, DataSet
+from bdt_study.sweep.engine import WorkerPool
+from bdt_study.sweep.run_batch import run_batch
+from bdt_study.sweep.study_file import read_study
+
+SIZE = 4
+"""Runs of a batch in these tests."""
+MANY = {"repetitions": 15}
+"""360 runs in 90 batches: enough to be in the middle of them."""
+DEADLINE = 120.0
+
+PROGRAM = f"""
+import sys
+from bdt_study.sweep import batches
+batches.MOST_RUNS = {SIZE}
+from bdt_bringup.cli import main
+main(sys.argv[1:])
+"""
+
+
+@pytest.fixture(autouse=True)
+def _small_batches(monkeypatch):
+    monkeypatch.setattr("bdt_study.sweep.batches.MOST_RUNS", SIZE)
+
+
+def bytes_of(folder):
+    """Return name and bytes of every part."""
+    return {path.name: path.read_bytes() for path in (Path(folder) / PARTS).iterdir()}
+
+
+@pytest.fixture
+def undisturbed(study_file, tmp_path):
+    """Return a study's file, and the bytes of its parts from one batch after the other."""
+    path = study_file(**MANY)
+    study = read_study(path)
+    data = DataSet(tmp_path / "undisturbed", study)
+    data.create(resume=False)
+    for batch in batches(study, data.missing()):
+        data.write(run_batch(batch))
+    return path, bytes_of(data.folder)
+
+
+def started(*arguments):
+    """Return the command as a process of its own."""
+    command = [sys.executable, "-P", "-c", PROGRAM, "sweep", *map(str, arguments)]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+
+
+def wait_for(condition):
+    end = time.monotonic() + DEADLINE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.005)
+
+
+def workers_of(process):
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    return [int(child) for child in children]
+
+
+def test_interrupted_killed_and_resumed_the_bytes_are_the_same(undisturbed, tmp_path):
+    study, expected = undisturbed
+    output = tmp_path / "sweep"
+    parts = output / PARTS
+
+    def count():
+        return len(list(parts.glob("*.parquet"))) if parts.is_dir() else 0
+
+    process = started(study, "--output", output, "--workers", 1)
+    wait_for(count)
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=DEADLINE)
+    assert process.returncode == INTERRUPTED, told
+    last = told.splitlines()[-1]
+    assert last.startswith("error: interrupted: ")
+    assert f"bdt sweep {study} --output {output} --resume" in last
+    interrupted_at = count()
+    assert 0 < interrupted_at < len(expected)
+    assert not list(parts.glob("*.tmp"))
+
+    process = started(study, "--output", output, "--workers", 1, "--resume")
+    wait_for(lambda: count() > interrupted_at)
+    workers = workers_of(process)
+    process.kill()
+    process.communicate(timeout=DEADLINE)
+    assert workers
+    wait_for(lambda: not any(Path(f"/proc/{worker}").exists() for worker in workers))
+    assert interrupted_at < count() < len(expected)
+
+    arguments = ["sweep", str(study), "--output", str(output), "--workers", "1"]
+    assert run_command([*arguments, "--resume"]) == 0
+    assert bytes_of(output) == expected
+    assert len(list((output / "sessions").iterdir())) == 3
+
+
+def test_workers_that_are_killed_are_replaced_and_nothing_is_lost_or_twice(undisturbed):
+    path, expected = undisturbed
+    study = read_study(path)
+    killed = 0
+    numbers = []
+    for result in WorkerPool(2).results(batches(study, range(len(expected)))):
+        numbers.append(result.number)
+        if len(numbers) in (1, 30):
+            worker = active_children()[0]
+            os.kill(worker.pid, signal.SIGKILL)
+            killed += 1
+    assert killed == 2
+    assert sorted(numbers) == list(range(len(expected)))
+
+
+def test_workers_that_always_end_are_told_with_the_parts_in_work(study_file, tmp_path, monkeypatch):
+    monkeypatch.setattr(engine, "MOST_DEATHS", 0)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my_end.py").write_text("import os\n\ndef end(run):\n    os._exit(1)\n")
+    study = read_study(study_file(compute=["my_end:end"]))
+    with pytest.raises(LoopError, match="1 workers ended one after the other, at work on parts 0"):
+        list(WorkerPool(1).results(batches(study, [0])))
+
+
+class InThisProcess:
+    """An engine without processes."""
+
+    def results(self, waiting):
+        return map(run_batch, waiting)
+
+
+@pytest.fixture
+def in_this_process(monkeypatch):
+    monkeypatch.setattr(run_sweep, "_engine", lambda options: InThisProcess())
+
+
+def test_the_outcome_as_json_has_the_first_answers(in_this_process, study_file, tmp_path, capsys):
+    output = tmp_path / "sweep"
+    assert run_command(["sweep", str(study_file()), "--output", str(output), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["runs"], told["runs_now"], told["runs_missing"]) == (48, 48, 0)
+    assert told["now"]["limit_cycle"]["known"] == 48
+    session = json.loads(next((output / "sessions").iterdir()).read_text())
+    assert session["cores"] == os.cpu_count()
+    assert {"machine", "numpy", "python"} <= session.keys()
+
+
+def test_a_disk_that_fills_ends_it_with_what_there_is(
+    in_this_process, study_file, tmp_path, capsys, monkeypatch
+):
+    written = []
+
+    def write(data, result):
+        if len(written) == 3:
+            raise OSError(28, "No space left on device")
+        written.append(result)
+
+    monkeypatch.setattr(DataSet, "write", write)
+    arguments = ["sweep", str(study_file()), "--output", str(tmp_path / "sweep")]
+    assert run_command(arguments) == FAILED
+    told = capsys.readouterr().err
+    assert "cannot be written: No space left on device; what is there is whole" in told
+
+
+def test_a_dry_run_writes_nothing_and_says_how_large_it_gets(study_file, tmp_path, capsys):
+    arguments = ["sweep", str(study_file()), "--dry-run", "--output", str(tmp_path / "no")]
+    assert run_command(arguments) == 0
+    assert capsys.readouterr().out.startswith("48 runs in 12 parts: about ")
+    assert run_command([*arguments, "--json", "--workers", "4"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["seconds"] == pytest.approx(48 * told["seconds_per_run"] / 4)
+    assert told["bytes"] > 1000
+    assert not (tmp_path / "no").exists()
+
+
+@pytest.mark.parametrize("workers", ["0", "1025"])
+def test_a_number_of_workers_that_makes_no_sense_is_refused(study_file, capsys, workers):
+    assert run_command(["sweep", str(study_file()), "--workers", workers]) == BAD_INPUT
+    assert f"--workers {workers}: must be 1 to 1024" in capsys.readouterr().err
