@@ -50,6 +50,7 @@ PROVIDERS = {
     "cyclonedds": Provider("cyclonedds", None),
     "plotly": Provider("plotly", None),
     "pyarrow": Provider("pyarrow", None),
+    "SALib": Provider("salib", None),
     # On no index: ROS 2 has them, or embedded_ros, which is never installed beside ROS 2.
     **{
         name: Provider(None, name)
@@ -71,6 +72,7 @@ WITHOUT_ROSDEP = {
     ("bdt_analysis", "plotly"): "pages show pictures alone",
     ("bdt_analysis", "pyarrow"): "--export parquet is refused; the extra `parquet` for pip",
     ("bdt_study", "pyarrow"): "bdt sweep is refused; the extra `sweep` for pip",
+    ("bdt_study", "SALib"): "bdt sweep report is refused; the extra `sweep` for pip",
 }
 """What package.xml cannot name for want of a key: package, import, and what is without it."""
 

@@ -19,7 +19,14 @@ setup(
     python_requires=">=3.11",
     packages=find_packages(),
     package_data={
-        name: ["py.typed", "benchmarks/*.c", "calibration/*.html", "reproduction/*.html"]
+        name: [
+            "py.typed",
+            "benchmarks/*.c",
+            "calibration/*.html",
+            "reproduction/*.html",
+            "sweep/*.html",
+            "sweep/*.js",
+        ]
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{name}"]),
@@ -40,7 +47,7 @@ setup(
         "rich>=13",
         "scipy>=1.11",
     ],
-    extras_require={"sweep": ["pyarrow>=14"]},
+    extras_require={"sweep": ["pyarrow>=14", "salib>=1.4"]},
     zip_safe=False,
     entry_points={
         "bdt.command": [

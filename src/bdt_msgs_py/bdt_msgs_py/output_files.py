@@ -29,7 +29,8 @@ def prepare_output(option: str, path: Path, endings: Collection[str] = ()) -> No
     """
     if endings and path.suffix not in endings:
         *most, last = endings
-        raise BadInputError(f"{option} {path}: must end with {', '.join(most)} or {last}")
+        allowed = f"{', '.join(most)} or {last}" if most else last
+        raise BadInputError(f"{option} {path}: must end with {allowed}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         is_new = not os.path.lexists(path)

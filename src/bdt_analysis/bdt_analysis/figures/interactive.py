@@ -50,7 +50,7 @@ def interactive_part(
     time_label : str
         Title of the time axis.
     """
-    library = _plotly_library()
+    library = plotly_library()
     if library is None:
         return None
     origin = min(run.begin for run in runs)
@@ -68,7 +68,8 @@ def interactive_part(
     }
 
 
-def _plotly_library() -> bytes | None:
+def plotly_library() -> bytes | None:
+    """Return the library that draws in the browser; None where plotly is not installed."""
     try:
         # No rosdep key is known for it: a ROS machine without it gets a report without it.
         from plotly.offline import get_plotlyjs  # noqa: PLC0415

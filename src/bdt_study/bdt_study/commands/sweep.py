@@ -1,4 +1,4 @@
-"""The command ``bdt sweep``: many closed loops over parameters."""
+"""The command ``bdt sweep``: many closed loops, what they tell, and one of them again."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
@@ -6,17 +6,24 @@ from pathlib import Path
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.commands import Command
 
-NEEDED = ("pyarrow",)
+NEEDED = ("pyarrow", "SALib")
 """Python packages without which there is no sweep, and that nothing else here has a use for."""
 
 
 def _add_arguments(parser: ArgumentParser) -> None:
-    parser.add_argument("study", type=Path, metavar="STUDY.yaml", help="which loops, and what of")
+    parser.add_argument(
+        "what",
+        metavar="STUDY.yaml | report | replay",
+        help="the study to run; report DIR writes its page, replay DIR RUN runs the nodes with the "
+        "parameters of one of its runs, with a bag and a report",
+    )
+    parser.add_argument("of", nargs="*", metavar="DIR [RUN]", help="of report and replay")
     parser.add_argument(
         "--output",
         type=Path,
         metavar="DIR",
-        help="folder of the data set (default: sweeps/NAME OF THE STUDY)",
+        help="folder of the data set (default: sweeps/NAME OF THE STUDY), of the replayed run, or "
+        "file of the page",
     )
     parser.add_argument(
         "--workers",
@@ -37,13 +44,39 @@ def _add_arguments(parser: ArgumentParser) -> None:
 
 def _sweep(options: Namespace) -> int:
     try:
-        # The list of commands needs neither numba nor pyarrow.
-        from bdt_study.sweep.run_sweep import sweep  # noqa: PLC0415
+        return _chosen(options)
     except ModuleNotFoundError as error:
         if error.name not in NEEDED:
             raise
         raise BadInputError(f"bdt sweep: needs the Python package {error.name}") from error
+
+
+def _chosen(options: Namespace) -> int:
+    # The list of commands needs neither numba nor pyarrow.
+    if options.what == "report":
+        from bdt_study.sweep.report_sweep import report  # noqa: PLC0415
+
+        (folder,) = _checked(options, "DIR")
+        return report(Path(folder), options.output, as_json=options.json)
+    if options.what == "replay":
+        from bdt_study.sweep.replay import replay  # noqa: PLC0415
+
+        folder, run = _checked(options, "DIR", "RUN")
+        if not run.isdecimal():
+            raise BadInputError(f"bdt sweep replay: RUN {run!r}: must be the number of a run")
+        return replay(Path(folder), int(run), options.output, as_json=options.json)
+    from bdt_study.sweep.run_sweep import sweep  # noqa: PLC0415
+
+    _checked(options)
     return sweep(options)
+
+
+def _checked(options: Namespace, *names: str) -> list[str]:
+    """Return the arguments after the first one, as many as there are names for."""
+    if len(options.of) != len(names):
+        wanted = " ".join([options.what, *names])
+        raise BadInputError(f"bdt sweep {' '.join([options.what, *options.of])}: must be {wanted}")
+    return list(options.of)
 
 
 COMMAND = Command(

@@ -41,7 +41,7 @@ def sweep(options: argparse.Namespace) -> int:
     LoopError
         If workers or the scheduler are lost.
     """
-    study = read_study(options.study)
+    study = read_study(Path(options.what))
     engine = _engine(options)
     if options.dry_run:
         estimate = dry_run(study, options.workers)
@@ -56,7 +56,7 @@ def sweep(options: argparse.Namespace) -> int:
     if outcome["runs_missing"]:
         return complain(
             f"interrupted: {study.runs - outcome['runs_missing']} of {study.runs} runs are in "
-            f"{output}; to go on: bdt sweep {options.study} --output {output} --resume",
+            f"{output}; to go on: bdt sweep {options.what} --output {output} --resume",
             INTERRUPTED,
         )
     if not options.json:

@@ -134,5 +134,28 @@ class Study:
         return values
 
 
+def study_from_text(text: str) -> Study:
+    """Return the study whose text this is.
+
+    Raises
+    ------
+    ValueError
+        If it is the text of no study.
+    """
+    document = json.loads(text)
+    try:
+        axes = tuple(Axis(**_frozen(axis)) for axis in document.pop("axes"))
+        return Study(axes=axes, **_frozen(document))
+    except (AttributeError, KeyError, TypeError) as error:
+        raise ValueError(f"is no study: {error}") from error
+
+
+def _frozen(value: Any) -> Any:
+    """Return what JSON holds with tuples in place of lists."""
+    if isinstance(value, dict):
+        return {name: _frozen(one) for name, one in value.items()}
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
+
+
 def _is_two_power(number: int) -> bool:
     return number & (number - 1) == 0
