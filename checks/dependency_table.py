@@ -48,6 +48,7 @@ PROVIDERS = {
     "zstandard": Provider("zstandard", _MCAP),
     # No keys at all; the reasons in `WITHOUT_ROSDEP` say what is missing without them.
     "cyclonedds": Provider("cyclonedds", None),
+    "distributed": Provider("distributed", None),
     "plotly": Provider("plotly", None),
     "pyarrow": Provider("pyarrow", None),
     "SALib": Provider("salib", None),
@@ -71,6 +72,7 @@ PROVIDERS = {
 WITHOUT_ROSDEP = {
     ("bdt_analysis", "plotly"): "pages show pictures alone",
     ("bdt_analysis", "pyarrow"): "--export parquet is refused; the extra `parquet` for pip",
+    ("bdt_study", "distributed"): "--scheduler is refused; the extra `sweep` for pip",
     ("bdt_study", "pyarrow"): "bdt sweep is refused; the extra `sweep` for pip",
     ("bdt_study", "SALib"): "bdt sweep report is refused; the extra `sweep` for pip",
 }

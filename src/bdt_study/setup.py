@@ -47,7 +47,7 @@ setup(
         "rich>=13",
         "scipy>=1.11",
     ],
-    extras_require={"sweep": ["pyarrow>=14", "salib>=1.4"]},
+    extras_require={"sweep": ["distributed>=2024.8", "pyarrow>=14", "salib>=1.4"]},
     zip_safe=False,
     entry_points={
         "bdt.command": [

@@ -131,7 +131,8 @@ def test_limit_cycle_needs_a_height():
 
 def test_settling_time():
     time = np.arange(10.0)
-    assert settling_time(time, np.zeros(10), 0.0, 0.1, 8.0) == 0.0
-    assert settling_time(time, (time < 4) * 1.0, 0.0, 0.1, 8.0) == 4.0
-    assert settling_time(time, (time > 8) * 1.0, 0.0, 0.1, 8.0) is None
-    assert settling_time(time, (time > 8) * 1.0, 0.0, 0.1, 10.0) is None
+    assert settling_time(time, 0.0, np.zeros(10), 0.0, 0.1, 8.0) == 0.0
+    assert settling_time(time, 0.0, (time < 4) * 1.0, 0.0, 0.1, 8.0) == 4.0
+    assert settling_time(time, 0.0, (time > 8) * 1.0, 0.0, 0.1, 8.0) is None
+    assert settling_time(time, 0.0, (time > 8) * 1.0, 0.0, 0.1, 10.0) is None
+    assert settling_time(time + 5.0, 5.0, (time < 4) * 1.0, 0.0, 0.1, 8.0) == 4.0

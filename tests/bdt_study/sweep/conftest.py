@@ -3,6 +3,9 @@
 import pytest
 import yaml
 
+from bdt_study.sweep.batches import batches
+from bdt_study.sweep.data_set import PARTS, DataSet
+from bdt_study.sweep.run_batch import run_batch
 from bdt_study.sweep.study_file import read_study
 
 SMALL = {
@@ -41,3 +44,26 @@ def study_file(tmp_path):
 def study_of(study_file):
     """Return a function that reads a study with some keys changed."""
     return lambda **changes: read_study(study_file(**changes))
+
+
+@pytest.fixture
+def small_batches(monkeypatch):
+    """Cut studies into batches of four runs."""
+    monkeypatch.setattr("bdt_study.sweep.batches.MOST_RUNS", 4)
+
+
+@pytest.fixture
+def bytes_of():
+    """Return a function that tells name and bytes of every part of a sweep's folder."""
+    return lambda folder: {path.name: path.read_bytes() for path in (folder / PARTS).iterdir()}
+
+
+@pytest.fixture
+def undisturbed(study_file, tmp_path, bytes_of, small_batches):
+    """Return the file of a study of 90 batches, and its parts from one batch after the other."""
+    path = study_file(repetitions=15)
+    data = DataSet(tmp_path / "undisturbed", read_study(path))
+    data.create(resume=False)
+    for batch in batches(read_study(path), data.missing()):
+        data.write(run_batch(batch))
+    return path, bytes_of(data.folder)

@@ -13,6 +13,7 @@ import pytest
 
 from bdt_bringup.cli import run_command
 from bdt_msgs_py.command_errors import BAD_INPUT, FAILED, INTERRUPTED, LoopError
+from bdt_study.sweep import batches as batches_module
 from bdt_study.sweep import engine, run_sweep
 from bdt_study.sweep.batches import batches
 from bdt_study.sweep.data_set import PARTS, DataSet
@@ -20,46 +21,24 @@ from bdt_study.sweep.engine import WorkerPool
 from bdt_study.sweep.run_batch import run_batch
 from bdt_study.sweep.study_file import read_study
 
-SIZE = 4
-"""Runs of a batch in these tests."""
-MANY = {"repetitions": 15}
-"""360 runs in 90 batches: enough to be in the middle of them."""
 DEADLINE = 120.0
 
-PROGRAM = f"""
+PROGRAM = """
 import sys
 from bdt_study.sweep import batches
-batches.MOST_RUNS = {SIZE}
+batches.MOST_RUNS = int(sys.argv.pop(1))
 from bdt_bringup.cli import main
 main(sys.argv[1:])
 """
 
 
-@pytest.fixture(autouse=True)
-def _small_batches(monkeypatch):
-    monkeypatch.setattr("bdt_study.sweep.batches.MOST_RUNS", SIZE)
-
-
-def bytes_of(folder):
-    """Return name and bytes of every part."""
-    return {path.name: path.read_bytes() for path in (Path(folder) / PARTS).iterdir()}
-
-
-@pytest.fixture
-def undisturbed(study_file, tmp_path):
-    """Return a study's file, and the bytes of its parts from one batch after the other."""
-    path = study_file(**MANY)
-    study = read_study(path)
-    data = DataSet(tmp_path / "undisturbed", study)
-    data.create(resume=False)
-    for batch in batches(study, data.missing()):
-        data.write(run_batch(batch))
-    return path, bytes_of(data.folder)
+pytestmark = pytest.mark.usefixtures("small_batches")
 
 
 def started(*arguments):
     """Return the command as a process of its own."""
-    command = [sys.executable, "-P", "-c", PROGRAM, "sweep", *map(str, arguments)]
+    size = str(batches_module.MOST_RUNS)
+    command = [sys.executable, "-P", "-c", PROGRAM, size, "sweep", *map(str, arguments)]
     return subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
@@ -77,7 +56,7 @@ def workers_of(process):
     return [int(child) for child in children]
 
 
-def test_interrupted_killed_and_resumed_the_bytes_are_the_same(undisturbed, tmp_path):
+def test_interrupted_killed_and_resumed_the_bytes_are_the_same(undisturbed, bytes_of, tmp_path):
     study, expected = undisturbed
     output = tmp_path / "sweep"
     parts = output / PARTS

@@ -93,7 +93,8 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
     settling = None
     if judged and step.height is not None:
         settling = settling_time(
-            time[first:end] - step.t_start,
+            time[first:end],
+            step.t_start,
             position[first:end],
             float(tail.mean()),
             SETTLING_BAND * step.height,
@@ -116,14 +117,21 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
 
 
 def settling_time(
-    time: FloatArray, position: FloatArray, final: float, band: float, latest: float
+    time: FloatArray,
+    begin: float,
+    position: FloatArray,
+    final: float,
+    band: float,
+    latest: float,
 ) -> float | None:
     """Return when a position comes within a band for good.
 
     Parameters
     ----------
     time : ndarray, shape (n,)
-        Time since the beginning of the step [s].
+        Time [s].
+    begin : float
+        Beginning of the step, from which the answer counts [s].
     position : ndarray, shape (n,)
         Position [m].
     final : float
@@ -131,7 +139,7 @@ def settling_time(
     band : float
         Half of its width [m].
     latest : float
-        Time after which the band must not be left any more [s].
+        Time since the beginning after which the band must not be left any more [s].
 
     Returns
     -------
@@ -143,9 +151,9 @@ def settling_time(
     if not outside.size:
         return 0.0
     last = int(outside[-1])
-    if time[last] > latest or last + 1 == time.size:
+    if time[last] - begin > latest or last + 1 == time.size:
         return None
-    return float(time[last + 1])
+    return float(time[last + 1] - begin)
 
 
 def has_limit_cycle(position: FloatArray, sample_time: float, height: float | None) -> bool | None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.commands import Command
 
-NEEDED = ("pyarrow", "SALib")
+NEEDED = ("pyarrow", "SALib", "distributed")
 """Python packages without which there is no sweep, and that nothing else here has a use for."""
 
 
@@ -30,6 +30,11 @@ def _add_arguments(parser: ArgumentParser) -> None:
         type=int,
         metavar="N",
         help="processes on this computer (default: one for each core)",
+    )
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="of a Dask scheduler, e.g. tcp://10.0.0.1:8786, whose workers do the work",
     )
     parser.add_argument(
         "--resume", action="store_true", help="go on with what is in the folder already"
@@ -80,9 +85,10 @@ def _checked(options: Namespace, *names: str) -> list[str]:
 
 
 COMMAND = Command(
-    summary="run a study: many loops over parameters, on all cores",
-    description="Run closed loops over grids, ranges and samples of parameters on all cores, into "
-    "a Parquet data set that can be read at any moment and resumed after any end.",
+    summary="run a study: many loops over parameters, on all cores or a cluster",
+    description="Run closed loops over grids, ranges and samples of parameters on all cores or "
+    "on the workers of a Dask scheduler, into a Parquet data set that can be read at any moment "
+    "and resumed after any end.",
     add_arguments=_add_arguments,
     run=_sweep,
 )

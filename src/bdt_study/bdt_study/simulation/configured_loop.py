@@ -133,13 +133,9 @@ class LoopParameters:
             for (prefix, kind), instance in zip(table, built, strict=True):
                 self._parts[node, prefix, kind] = instance
 
-    def part(self, node: str, kind: type[Any], prefix: str | None = None) -> Any:
-        """Return the parameters of a node that a dataclass holds, of two alike by their prefix."""
-        return next(
-            instance
-            for (owner, place, held), instance in self._parts.items()
-            if owner == node and held is kind and prefix in (None, place)
-        )
+    def part(self, node: str, prefix: str, kind: type[Any]) -> Any:
+        """Return the parameters of a node that a dataclass holds below a prefix."""
+        return self._parts[node, prefix, kind]
 
     def with_values(self, changes: Mapping[tuple[str, str], Any]) -> "LoopParameters":
         """Return the parameters with other values; what does not change is shared, not copied.
@@ -185,23 +181,23 @@ class LoopParameters:
         ValueError
             If values do not go together.
         """
-        settings: ControllerSettings = self.part(CONTROLLER_NODE, ControllerSettings)
-        sensor: SensorParameters = self.part(PLANT_NODE, SensorParameters)
+        settings: ControllerSettings = self.part(CONTROLLER_NODE, "", ControllerSettings)
+        sensor: SensorParameters = self.part(PLANT_NODE, "sensor", SensorParameters)
         if seed is not None and not sensor.is_ideal:
             sensor = replace(sensor, seed=seed)
         return Scenario(
             duration=duration,
-            reference=self.part(CONTROLLER_NODE, ReferenceProfile),
-            gap=self.part(PLANT_NODE, GapProfile),
+            reference=self.part(CONTROLLER_NODE, "reference", ReferenceProfile),
+            gap=self.part(PLANT_NODE, "gap", GapProfile),
             dead_zone=settings.dead_zone_tolerance,
             model=self._mechanism(PLANT_NODE, MECHANISM),
-            gains=self.part(CONTROLLER_NODE, PidGains),
-            sampling=self.part(PLANT_NODE, Sampling),
+            gains=self.part(CONTROLLER_NODE, "pid", PidGains),
+            sampling=self.part(PLANT_NODE, "", Sampling),
             sensor=sensor,
-            actuator=self.part(PLANT_NODE, ActuatorParameters),
+            actuator=self.part(PLANT_NODE, "actuator", ActuatorParameters),
             voltage_limit=settings.voltage_limit,
             voltage_offset=settings.voltage_offset,
-            notch=self.part(CONTROLLER_NODE, NotchFilter),
+            notch=self.part(CONTROLLER_NODE, "notch", NotchFilter),
         )
 
     def twin(self, seed: int | None = None) -> TwinSetup:
@@ -212,27 +208,27 @@ class LoopParameters:
         seed : int, optional
             Seed of random delays and losses in place of the link's own.
         """
-        link: LinkSettings = self.part(TWIN_NODE, LinkSettings)
+        link: LinkSettings = self.part(TWIN_NODE, "", LinkSettings)
         if seed is not None:
             link = replace(link, link_seed=seed)
-        settings: TwinSettings = self.part(TWIN_NODE, TwinSettings)
+        settings: TwinSettings = self.part(TWIN_NODE, "", TwinSettings)
         if not settings.reconfigure:
             # A twin that only estimates is one whose requests never arrive.
             link = replace(link, request_loss=1.0)
-        plant: PlantSettings = self.part(PLANT_NODE, PlantSettings)
+        plant: PlantSettings = self.part(PLANT_NODE, "", PlantSettings)
         return TwinSetup(
-            self.part(TWIN_NODE, EstimatorChoice),
-            self.part(TWIN_NODE, InverseFilterSettings),
-            self.part(TWIN_NODE, OutputErrorSettings),
+            self.part(TWIN_NODE, "estimator", EstimatorChoice),
+            self.part(TWIN_NODE, "estimator", InverseFilterSettings),
+            self.part(TWIN_NODE, "output_error", OutputErrorSettings),
             self._mechanism(TWIN_NODE, BELIEVED),
             link,
-            self.part(TWIN_NODE, DeadZoneSettings),
+            self.part(TWIN_NODE, "dead_zone", DeadZoneSettings),
             plant.telemetry_period,
             settings.compensate_offset,
-            self.part(TWIN_NODE, DecisionSettings),
+            self.part(TWIN_NODE, "decision", DecisionSettings),
             ControllerGains(
-                self.part(TWIN_NODE, PidGains, "redesign"),
-                self.part(TWIN_NODE, NotchFilter, "redesign"),
+                self.part(TWIN_NODE, "redesign", PidGains),
+                self.part(TWIN_NODE, "redesign", NotchFilter),
             ),
         )
 

@@ -184,7 +184,8 @@ class _Buffers:
         samples, rate = form = (scenario.samples, scenario.sampling.sampling_rate)
         if form != self._form:
             self._form = form
-            self._telemetry = np.empty((samples, 3))
+            # Columns that lie in one piece: the kernel writes two of them.
+            self._telemetry = np.empty((samples, 3), order="F")
             self._telemetry[:, 0] = np.arange(samples) / rate
             signals = list(signals_for(scenario, keep))
             signals[U], signals[Q3] = self._telemetry[:, 1], self._telemetry[:, 2]

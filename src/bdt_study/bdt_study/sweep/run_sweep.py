@@ -42,13 +42,14 @@ def sweep(options: argparse.Namespace) -> int:
         If workers or the scheduler are lost.
     """
     study = read_study(Path(options.what))
-    engine = _engine(options)
+    _check_workers(options)
     if options.dry_run:
         estimate = dry_run(study, options.workers)
         print(json.dumps(estimate.to_dictionary(), indent=2) if options.json else estimate.text())
         return 0
     output = options.output or Path("sweeps") / study.name
     data = DataSet(output, study)
+    engine = _engine(options)
     data.create(resume=options.resume)
     outcome = _Sweep(study, data, engine).run()
     if options.json:
@@ -127,8 +128,18 @@ class _Sweep:
             raise not_writable("--output", self._data.folder, error) from error
 
 
-def _engine(options: argparse.Namespace) -> Engine:
+def _check_workers(options: argparse.Namespace) -> None:
     workers = options.workers
     if workers is not None and not 1 <= workers <= MOST_WORKERS:
         raise BadInputError(f"--workers {workers}: must be 1 to {MOST_WORKERS}")
-    return WorkerPool(workers)
+    if workers is not None and options.scheduler is not None:
+        raise BadInputError("--workers: is for this computer, a --scheduler has workers of its own")
+
+
+def _engine(options: argparse.Namespace) -> Engine:
+    if options.scheduler is None:
+        return WorkerPool(options.workers)
+    # Nobody needs Dask on a single computer.
+    from bdt_study.sweep.dask_cluster import DaskCluster  # noqa: PLC0415
+
+    return DaskCluster(options.scheduler)

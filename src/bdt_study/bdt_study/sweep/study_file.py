@@ -200,7 +200,7 @@ def _check_together(study: Study) -> None:
 
 def _check_loop(study: Study, parameters: LoopParameters) -> None:
     parameters.scenario(study.duration)
-    kind = parameters.part(CONTROLLER_NODE, ReferenceProfile).kind
+    kind = parameters.part(CONTROLLER_NODE, "reference", ReferenceProfile).kind
     if kind not in REFERENCES:
         raise ValueError(
             f"controller.reference.kind = {kind!r}: must be one of {', '.join(REFERENCES)}"
