@@ -24,6 +24,7 @@ setup(
             "benchmarks/*.c",
             "calibration/*.html",
             "reproduction/*.html",
+            "studies/*.yaml",
             "sweep/*.html",
             "sweep/*.js",
         ]

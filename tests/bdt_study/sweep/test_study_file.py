@@ -1,9 +1,14 @@
 """Study files: read whole or refused in one line that says what is allowed."""
 
+from pathlib import Path
+
 import pytest
 
 from bdt_msgs_py.command_errors import BadInputError
-from bdt_study.sweep.study_file import read_study
+from bdt_study.sweep.batches import WORK_OF_A_BATCH, cost_of_run, cut
+from bdt_study.sweep.study_file import packaged_studies, read_study
+
+STUDIES = Path(__file__).parents[3] / "config" / "studies"
 
 
 def test_a_study_is_read_with_its_configuration_and_what_it_changes(study_of):
@@ -93,3 +98,26 @@ def test_what_is_no_study_is_refused(tmp_path, text, says):
         read_study(tmp_path / "odd.yaml")
     with pytest.raises(BadInputError, match=r"missing\.yaml: cannot be read: No such file"):
         read_study(tmp_path / "missing.yaml")
+
+
+def test_the_packaged_studies_are_those_of_the_folder_that_people_copy_from():
+    packaged = packaged_studies()
+    assert {path.name for path in packaged.values()} == {path.name for path in STUDIES.iterdir()}
+    for path in packaged.values():
+        assert path.read_bytes() == (STUDIES / path.name).read_bytes(), path
+
+
+@pytest.mark.parametrize("name", packaged_studies())
+def test_a_packaged_study_is_read_by_its_name(name):
+    study = read_study(name)
+    assert study.name == name
+    assert study.runs > 100
+    assert cut(study).size * cost_of_run(study) < 10.0 * WORK_OF_A_BATCH
+
+
+def test_a_file_comes_before_a_packaged_study_of_that_name(tmp_path, monkeypatch, study_file):
+    monkeypatch.chdir(tmp_path)
+    study_file().rename(tmp_path / "gap_delay")
+    assert read_study("gap_delay").runs == 48
+    with pytest.raises(BadInputError, match=r"must be one of friction_gap, .*did you mean gap_del"):
+        read_study("gap_delays")

@@ -13,9 +13,10 @@ NEEDED = ("pyarrow", "SALib", "distributed")
 def _add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "what",
-        metavar="STUDY.yaml | report | replay",
-        help="the study to run; report DIR writes its page, replay DIR RUN runs the nodes with the "
-        "parameters of one of its runs, with a bag and a report",
+        metavar="STUDY | report | replay",
+        help="the study to run, a YAML file or one that comes with the package (friction_gap, "
+        "gains_damping, gap_dead_zone, gap_delay); report DIR writes its page, replay DIR RUN runs "
+        "the nodes with the parameters of one of its runs, with a bag and a report",
     )
     parser.add_argument("of", nargs="*", metavar="DIR [RUN]", help="of report and replay")
     parser.add_argument(

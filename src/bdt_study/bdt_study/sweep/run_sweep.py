@@ -41,7 +41,7 @@ def sweep(options: argparse.Namespace) -> int:
     LoopError
         If workers or the scheduler are lost.
     """
-    study = read_study(Path(options.what))
+    study = read_study(options.what)
     _check_workers(options)
     if options.dry_run:
         estimate = dry_run(study, options.workers)

@@ -1,6 +1,7 @@
 """Study files: YAML that is checked whole before anything runs."""
 
 from collections.abc import Iterator, Mapping
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -50,19 +51,34 @@ VARIED_ALL_THE_SAME = ("telemetry_period", "reconfigure", "compensate_offset")
 """Those of them that matter to a loop."""
 
 
-def read_study(path: Path) -> Study:
+def packaged_studies() -> dict[str, Path]:
+    """Return the studies that come with this package, by name."""
+    folder = Path(str(files("bdt_study") / "studies"))
+    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+
+
+def read_study(name: str | Path) -> Study:
     """Read and check a study file.
 
     Parameters
     ----------
-    path : Path
-        The file.
+    name : str or Path
+        The file, or the name of a study that comes with the package; a file of that very name
+        comes first.
 
     Raises
     ------
     BadInputError
         With one line that names file, key, value and what is allowed.
     """
+    path, packaged = Path(name), packaged_studies()
+    if not path.exists() and not path.suffix and str(name) not in packaged:
+        raise BadInputError(
+            f"{name}: is no file, and no study of the package: must be one of "
+            f"{', '.join(packaged)}{suggestion(str(name), packaged)}"
+        )
+    if not path.exists():
+        path = packaged.get(str(name), path)
     try:
         document = yaml.safe_load(path.read_text(encoding="utf-8"))
     except OSError as error:
