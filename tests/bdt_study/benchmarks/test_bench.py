@@ -29,6 +29,7 @@ WITH_PROCESSES = (
     "bdt_study.benchmarks.transport",
     "bdt_study.benchmarks.program",
     "bdt_study.benchmarks.real_time",
+    "bdt_study.benchmarks.sweep",
 )
 OFFLINE = [x for x, function in BENCHMARKS.items() if function.__module__ not in WITH_PROCESSES]
 

@@ -25,6 +25,7 @@ from bdt_study.benchmarks.program import bdt_help, lockstep_real_time_factor
 from bdt_study.benchmarks.python_control_loop import interconnected_loop, step_response
 from bdt_study.benchmarks.real_time import real_time
 from bdt_study.benchmarks.result import BenchmarkResult, BenchmarkSize, compared
+from bdt_study.benchmarks.sweep import sweep, sweep_kills
 from bdt_study.benchmarks.transport import (
     discovery,
     one_way_6kb,
@@ -224,6 +225,8 @@ BENCHMARKS: dict[str, Callable[[BenchmarkSize], list[BenchmarkResult]]] = {
         discovery,
         start_up,
         bdt_help,
+        sweep,
+        sweep_kills,
     )
 }
 """Benchmarks by name, in the order in which they run."""

@@ -23,6 +23,10 @@ class BenchmarkSize:
         Simulated time of the loop of the nodes [s].
     real_time_duration : float
         Time of each loop in real time [s].
+    sweep_runs : int
+        Number of runs of a sweep.
+    sweep_kills : int
+        Number of times that a sweep is killed.
     """
 
     duration: float = 120.0
@@ -32,6 +36,8 @@ class BenchmarkSize:
     messages: int = 10000
     loop_duration: float = 20.0
     real_time_duration: float = 10.0
+    sweep_runs: int = 20_000
+    sweep_kills: int = 50
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,169 @@
+"""Benchmarks of sweeps: runs in a second, cores, memory, Dask, and the bytes after many kills."""
+
+import os
+import random
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import yaml
+
+from bdt_study.benchmarks.result import BenchmarkResult, BenchmarkSize, compared
+from bdt_study.simulation.closed_loop import (
+    discrete_loop,
+    initial_state,
+    sample_inputs,
+    signals_for,
+)
+from bdt_study.simulation.configured_loop import LoopParameters
+from bdt_study.simulation.loop_kernel import run_kernel
+from bdt_study.sweep.batches import batches
+from bdt_study.sweep.engine import Engine, WorkerPool
+from bdt_study.sweep.study import Study
+from bdt_study.sweep.study_file import read_study
+
+DURATION = 20.0
+"""Simulated time of a run [s]."""
+MILLION = 1e6
+ENOUGH = 900.0
+"""Time in which a million runs are to be done [s]."""
+GAPS = 10
+DEAD_ZONES = 10
+LONGEST_LIFE = 8.0
+"""Longest time from the start of the command to its kill [s]."""
+KERNEL_RUNS = 30
+
+
+def sweep(size: BenchmarkSize) -> list[BenchmarkResult]:
+    """Time runs of 20 s without a twin, from the study to the parts on the disk."""
+    name, unit = "sweep", "runs/s"
+    if lacks := _lacking():
+        return [BenchmarkResult(name, 0.0, unit, f"skipped: needs {lacks}")]
+    cores = len(os.sched_getaffinity(0))
+    with _folder(size) as folder:
+        study = read_study(folder / "study.yaml")
+        kernel = _kernel_rate(study)
+        before = _peak_memory()
+        one = _rate(study, folder / "one", WorkerPool(1))
+        many = _rate(study, folder / "many", WorkerPool(cores))
+        grown = _peak_memory() - before
+        results = [
+            compared(name, many, unit, "a million in 15 min", MILLION / ENOUGH),
+            compared(name, one, f"{unit}, one worker", "the kernel alone", kernel),
+            compared(name, many / one, "times", "cores", float(cores)),
+            BenchmarkResult(name, grown, "MB", f"growth of memory in {2 * study.runs} runs"),
+        ]
+        dask = _dask_rate(study, folder / "dask", cores)
+        return [*results, compared(name, dask, f"{unit}, Dask", "pool", many)]
+
+
+def sweep_kills(size: BenchmarkSize) -> list[BenchmarkResult]:
+    """Kill the command again and again at random moments and compare the bytes in the end."""
+    if lacks := _lacking():
+        return [BenchmarkResult("sweep_kills", 0.0, "", f"skipped: needs {lacks}")]
+    draws = random.Random(20_261_122)  # noqa: S311
+    with _folder(size) as folder:
+        study = folder / "study.yaml"
+        _run(study, folder / "whole")
+        for _ in range(size.sweep_kills):
+            _run(study, folder / "killed", life=draws.uniform(0.0, LONGEST_LIFE))
+        _run(study, folder / "killed")
+        whole, killed = (_bytes_of(folder / name) for name in ("whole", "killed"))
+    wrong = sum(killed.get(name) != content for name, content in whole.items())
+    wrong += len(killed.keys() - whole.keys())
+    what = f"parts, after {size.sweep_kills} kills"
+    return [compared("sweep_kills", float(wrong), "parts that differ", what, float(len(whole)))]
+
+
+@contextmanager
+def _folder(size: BenchmarkSize) -> Iterator[Path]:
+    """Give a folder with a study in it."""
+    document = {
+        "duration": DURATION,
+        "estimator": "none",
+        "set": {"plant.gap.kind": "constant"},
+        "vary": {
+            "plant.gap.initial": {"from": 0.02, "to": 0.5, "count": GAPS},
+            "controller.dead_zone_tolerance": {"from": 0.0, "to": 1e-4, "count": DEAD_ZONES},
+        },
+        "repetitions": max(size.sweep_runs // (GAPS * DEAD_ZONES), 1),
+        "compute": ["limit_cycle", "bias_percent", "settling_s"],
+    }
+    with TemporaryDirectory() as name:
+        path = Path(name) / "study.yaml"
+        path.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+        yield Path(name)
+
+
+def _rate(study: Study, folder: Path, engine: Engine) -> float:
+    """Return runs in a second, without the start of the workers."""
+    # Only sweeps need pyarrow.
+    from bdt_study.sweep.data_set import DataSet  # noqa: PLC0415
+
+    data = DataSet(folder, study)
+    data.create(resume=False)
+    began, runs = 0.0, 0
+    for result in engine.results(batches(study, data.missing())):
+        data.write(result)
+        if not began:
+            began = time.perf_counter()
+        else:
+            runs += len(result.values)
+    return runs / (time.perf_counter() - began) if runs else 0.0
+
+
+def _dask_rate(study: Study, folder: Path, cores: int) -> float:
+    # Only sweeps on a cluster need Dask.
+    from distributed import LocalCluster  # noqa: PLC0415
+
+    from bdt_study.sweep.dask_cluster import DaskCluster  # noqa: PLC0415
+
+    cluster = LocalCluster(
+        n_workers=cores, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+    )
+    with cluster:
+        return _rate(study, folder, DaskCluster(cluster.scheduler_address))
+
+
+def _kernel_rate(study: Study) -> float:
+    """Return runs in a second of the kernel alone, on one core."""
+    scenario = LoopParameters(study.node_values()).scenario(DURATION)
+    inputs, step = sample_inputs(scenario), discrete_loop(scenario)
+    signals = signals_for(scenario, ("u", "q3"))
+    run_kernel(initial_state(scenario, inputs), step, inputs, signals)
+    began = time.perf_counter()
+    for _ in range(KERNEL_RUNS):
+        run_kernel(initial_state(scenario, inputs), step, inputs, signals)
+    return KERNEL_RUNS / (time.perf_counter() - began)
+
+
+def _run(study: Path, output: Path, life: float | None = None) -> None:
+    """Run the command, to its end or to that of its life [s]."""
+    command = [sys.executable, "-m", "bdt_bringup.cli", "sweep", str(study)]
+    command += ["--output", str(output), "--resume"]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # noqa: S603
+    try:
+        process.wait(life)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def _bytes_of(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.rglob("*.parquet")}
+
+
+def _lacking() -> str:
+    """Return the packages of the extra `sweep` that are not there."""
+    return " and ".join(name for name in ("pyarrow", "distributed") if find_spec(name) is None)
+
+
+def _peak_memory() -> float:
+    """Return the largest memory of this process so far [MB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
