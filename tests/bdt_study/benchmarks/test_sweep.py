@@ -30,7 +30,7 @@ class InThisProcess:
 
 
 def test_rates_stand_beside_what_they_are_to_reach(monkeypatch):
-    monkeypatch.setattr(sweep, "WorkerPool", InThisProcess)
+    monkeypatch.setattr(sweep, "LocalWorkers", InThisProcess)
     monkeypatch.setattr(sweep, "_dask_rate", lambda *_: 100.0)
     results = run_benchmarks(["sweep"], TINY)["results"]
     assert [one["reference"] for one in results] == [

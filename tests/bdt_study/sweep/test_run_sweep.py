@@ -6,20 +6,16 @@ import signal
 import subprocess
 import sys
 import time
-from multiprocessing import active_children
 from pathlib import Path
 
 import pytest
 
 from bdt_bringup.cli import run_command
-from bdt_msgs_py.command_errors import BAD_INPUT, FAILED, INTERRUPTED, LoopError
+from bdt_msgs_py.command_errors import BAD_INPUT, FAILED, INTERRUPTED
 from bdt_study.sweep import batches as batches_module
-from bdt_study.sweep import engine, run_sweep
-from bdt_study.sweep.batches import batches
+from bdt_study.sweep import run_sweep
 from bdt_study.sweep.data_set import PARTS, DataSet
-from bdt_study.sweep.engine import WorkerPool
 from bdt_study.sweep.run_batch import run_batch
-from bdt_study.sweep.study_file import read_study
 
 DEADLINE = 120.0
 
@@ -89,30 +85,6 @@ def test_interrupted_killed_and_resumed_the_bytes_are_the_same(undisturbed, byte
     assert run_command([*arguments, "--resume"]) == 0
     assert bytes_of(output) == expected
     assert len(list((output / "sessions").iterdir())) == 3
-
-
-def test_workers_that_are_killed_are_replaced_and_nothing_is_lost_or_twice(undisturbed):
-    path, expected = undisturbed
-    study = read_study(path)
-    killed = 0
-    numbers = []
-    for result in WorkerPool(2).results(batches(study, range(len(expected)))):
-        numbers.append(result.number)
-        if len(numbers) in (1, 30):
-            worker = active_children()[0]
-            os.kill(worker.pid, signal.SIGKILL)
-            killed += 1
-    assert killed == 2
-    assert sorted(numbers) == list(range(len(expected)))
-
-
-def test_workers_that_always_end_are_told_with_the_parts_in_work(study_file, tmp_path, monkeypatch):
-    monkeypatch.setattr(engine, "MOST_DEATHS", 0)
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "my_end.py").write_text("import os\n\ndef end(run):\n    os._exit(1)\n")
-    study = read_study(study_file(compute=["my_end:end"]))
-    with pytest.raises(LoopError, match="1 workers ended one after the other, at work on parts 0"):
-        list(WorkerPool(1).results(batches(study, [0])))
 
 
 class InThisProcess:

@@ -24,7 +24,7 @@ from bdt_study.simulation.closed_loop import (
 from bdt_study.simulation.configured_loop import LoopParameters
 from bdt_study.simulation.loop_kernel import run_kernel
 from bdt_study.sweep.batches import batches
-from bdt_study.sweep.engine import Engine, WorkerPool
+from bdt_study.sweep.engine import Engine, LocalWorkers
 from bdt_study.sweep.study import Study
 from bdt_study.sweep.study_file import read_study
 
@@ -50,8 +50,8 @@ def sweep(size: BenchmarkSize) -> list[BenchmarkResult]:
         study = read_study(folder / "study.yaml")
         kernel = _kernel_rate(study)
         before = _peak_memory()
-        one = _rate(study, folder / "one", WorkerPool(1))
-        many = _rate(study, folder / "many", WorkerPool(cores))
+        one = _rate(study, folder / "one", LocalWorkers(1))
+        many = _rate(study, folder / "many", LocalWorkers(cores))
         grown = _peak_memory() - before
         results = [
             compared(name, many, unit, "a million in 15 min", MILLION / ENOUGH),

@@ -3,10 +3,7 @@
 import argparse
 import json
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
-from multiprocessing import get_context
-from os import cpu_count
 from typing import NamedTuple
 
 from rich.console import Console
@@ -20,6 +17,7 @@ from bdt_study.evaluation.case import Case
 from bdt_study.evaluation.cases import CASES
 from bdt_study.evaluation.outcome import CaseOutcome, summarize_trials
 from bdt_study.evaluation.trial import Trial, run_trial
+from bdt_study.simulation.worker_pool import WorkerPool
 from bdt_twin.decision_settings import KINDS as DECISIONS
 from bdt_twin.estimator_choice import KINDS, EstimatorChoice, create_estimator
 from bdt_twin.inverse_filter import InverseFilterSettings
@@ -116,22 +114,16 @@ def _finished(
 ) -> Iterator[tuple[tuple[str, Twin, int], Trial]]:
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     progress = Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True))
-    # Not forked: the compiled kernels bring threads of their own.
-    pool = ProcessPoolExecutor(cpu_count(), mp_context=get_context("spawn"))
-    with progress, pool:
+    with progress:
         task = progress.add_task("closed-loop runs", total=len(jobs))
-        running = {
-            pool.submit(run_trial, case, twin.kind, seed, twin.decision): (case, twin, seed)
-            for case, twin, seed in jobs
-        }
-        try:
-            for future in as_completed(running):
-                case, twin, seed = running[future]
-                yield (case.name, twin, seed), future.result()
-                progress.advance(task)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        for (case, twin, seed), trial in WorkerPool(_trial).results(iter(jobs)):
+            yield (case.name, twin, seed), trial
+            progress.advance(task)
+
+
+def _trial(job: tuple[Case, Twin, int]) -> Trial:
+    case, twin, seed = job
+    return run_trial(case, twin.kind, seed, twin.decision)
 
 
 def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:

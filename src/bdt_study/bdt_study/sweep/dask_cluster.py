@@ -8,7 +8,7 @@ from distributed import CancelledError, Client, Future, KilledWorker
 from distributed.comm.core import CommClosedError
 
 from bdt_msgs_py.command_errors import BadInputError, LoopError
-from bdt_study.sweep.engine import AHEAD, MOST_DEATHS
+from bdt_study.simulation.worker_pool import AHEAD, MOST_DEATHS
 from bdt_study.sweep.run_batch import Batch, BatchResult, run_batch
 
 PATIENCE = 10.0

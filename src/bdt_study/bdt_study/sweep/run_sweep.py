@@ -19,7 +19,7 @@ from bdt_msgs_py.stop_signals import StopSignals
 from bdt_study.sweep.batches import batches
 from bdt_study.sweep.data_set import DataSet, write_whole
 from bdt_study.sweep.dry_run import dry_run
-from bdt_study.sweep.engine import Engine, WorkerPool
+from bdt_study.sweep.engine import Engine, LocalWorkers
 from bdt_study.sweep.progress import SweepProgress
 from bdt_study.sweep.run_batch import Batch
 from bdt_study.sweep.study import Study
@@ -138,7 +138,7 @@ def _check_workers(options: argparse.Namespace) -> None:
 
 def _engine(options: argparse.Namespace) -> Engine:
     if options.scheduler is None:
-        return WorkerPool(options.workers)
+        return LocalWorkers(options.workers)
     # Nobody needs Dask on a single computer.
     from bdt_study.sweep.dask_cluster import DaskCluster  # noqa: PLC0415
 
