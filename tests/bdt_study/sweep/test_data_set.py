@@ -66,6 +66,16 @@ def test_a_sweep_is_taken_up_with_the_parts_that_are_whole(small):
     assert not left.exists()
 
 
+@pytest.mark.parametrize("left", [None, "study.json.tmp", "study.json"])
+def test_a_sweep_that_was_killed_at_its_very_beginning_begins_anew(small, left):
+    study, data, _ = small
+    data.folder.mkdir()
+    if left is not None:
+        (data.folder / left).write_text(study.text if left == "study.json" else "{")
+    data.create(resume=True)
+    assert data.missing() == [0, 1, 2, 3]
+
+
 def test_a_folder_that_holds_runs_needs_to_be_told_to_go_on(small):
     _, data, _ = small
     data.create(resume=False)

@@ -98,7 +98,7 @@ def test_a_row_as_a_configuration_is_the_loop_of_that_row(finished, tmp_path):
     path = tmp_path / "row.yaml"
     path.write_text(run_configuration(study, row))
     values = load_configuration(path).values
-    parameters = LoopParameters(values)
+    parameters = LoopParameters.from_values(values)
     result = run_result(study, [row[axis.name] for axis in study.axes], row["seed"], 17)
     loop = result.scenario
     again = parameters.scenario(values["plant"]["duration"])

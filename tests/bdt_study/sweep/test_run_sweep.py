@@ -110,6 +110,25 @@ def test_the_outcome_as_json_has_the_first_answers(in_this_process, study_file, 
     assert {"machine", "numpy", "python"} <= session.keys()
 
 
+def test_another_ctrl_c_does_not_wait_for_what_is_in_work(
+    study_file, tmp_path, monkeypatch, capsys
+):
+    class Endless:
+        """An engine whose work never ends, in which somebody presses Ctrl-C twice."""
+
+        def results(self, waiting):
+            yield run_batch(next(waiting))
+            for _ in range(2):
+                os.kill(os.getpid(), signal.SIGINT)
+            pytest.fail("waited")
+
+    monkeypatch.setattr(run_sweep, "_engine", lambda options: Endless())
+    output = tmp_path / "sweep"
+    assert run_command(["sweep", str(study_file()), "--output", str(output)]) == INTERRUPTED
+    assert "Traceback" not in capsys.readouterr().err
+    assert len(list((output / PARTS).iterdir())) == 1
+
+
 def test_a_disk_that_fills_ends_it_with_what_there_is(
     in_this_process, study_file, tmp_path, capsys, monkeypatch
 ):

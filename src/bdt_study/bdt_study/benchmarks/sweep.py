@@ -133,7 +133,7 @@ def _dask_rate(study: Study, folder: Path, cores: int) -> float:
 
 def _kernel_rate(study: Study) -> float:
     """Return runs in a second of the kernel alone, on one core."""
-    scenario = LoopParameters(study.node_values()).scenario(DURATION)
+    scenario = LoopParameters.from_values(study.node_values()).scenario(DURATION)
     inputs, step = sample_inputs(scenario), discrete_loop(scenario)
     signals = signals_for(scenario, ("u", "q3"))
     run_kernel(initial_state(scenario, inputs), step, inputs, signals)

@@ -108,34 +108,46 @@ class TwinSetup:
     redesign: ControllerGains
 
 
+@dataclass(frozen=True, eq=False)
 class LoopParameters:
     """The parameters of all nodes, of which a few differ from run to run.
 
-    Parameters
+    Attributes
     ----------
-    values : mapping of str to mapping
-        For each node values by flat name, each of which was checked; the defaults hold for what is
-        missing.
-
-    Raises
-    ------
-    ValueError
-        If values do not go together, with one line that says which.
+    parts : mapping
+        The dataclasses by node, prefix and kind.
     """
 
-    def __init__(self, values: Mapping[str, Mapping[str, Any]]) -> None:
-        self._parts: dict[Part, Any] = {}
+    parts: Mapping[Part, Any]
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Mapping[str, Any]]) -> "LoopParameters":
+        """Return the parameters with given values.
+
+        Parameters
+        ----------
+        values : mapping of str to mapping
+            For each node values by flat name, each of which was checked; the defaults hold for
+            what is missing.
+
+        Raises
+        ------
+        ValueError
+            If values do not go together, with one line that says which.
+        """
+        parts: dict[Part, Any] = {}
         for node, table in TABLES.items():
             try:
                 built = parameter_sets(table, values.get(node, {}))
             except ValueError as error:
                 raise ValueError(f"{node}: {in_parameter_names(str(error), table)}") from error
             for (prefix, kind), instance in zip(table, built, strict=True):
-                self._parts[node, prefix, kind] = instance
+                parts[node, prefix, kind] = instance
+        return cls(parts)
 
     def part(self, node: str, prefix: str, kind: type[Any]) -> Any:
         """Return the parameters of a node that a dataclass holds below a prefix."""
-        return self._parts[node, prefix, kind]
+        return self.parts[node, prefix, kind]
 
     def with_values(self, changes: Mapping[tuple[str, str], Any]) -> "LoopParameters":
         """Return the parameters with other values; what does not change is shared, not copied.
@@ -154,17 +166,16 @@ class LoopParameters:
         for (node, name), value in changes.items():
             part, field = part_of(node, name)
             by_part.setdefault(part, {})[field] = value
-        other = object.__new__(LoopParameters)
-        other._parts = dict(self._parts)
+        parts = dict(self.parts)
         for part, fields in by_part.items():
             try:
-                other._parts[part] = replace(self._parts[part], **fields)
+                parts[part] = replace(parts[part], **fields)
             except ValueError as error:
                 node = part[0]
                 raise ValueError(
                     f"{node}: {in_parameter_names(str(error), TABLES[node])}"
                 ) from error
-        return other
+        return LoopParameters(parts)
 
     def scenario(self, duration: float, seed: int | None = None) -> Scenario:
         """Return the loop without its twin.
@@ -233,7 +244,7 @@ class LoopParameters:
         )
 
     def _mechanism(self, node: str, parts: Sequence[tuple[str, type[Any]]]) -> PlantModel:
-        return PlantModel(*(self._parts[node, prefix, kind] for prefix, kind in parts))
+        return PlantModel(*(self.parts[node, prefix, kind] for prefix, kind in parts))
 
 
 def simulate_setup(scenario: Scenario, twin: TwinSetup, keep: Sequence[str]) -> TwinTrajectory:

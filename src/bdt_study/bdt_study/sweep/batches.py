@@ -55,7 +55,7 @@ def cut(study: Study) -> BatchCut:
 
 def cost_of_run(study: Study) -> float:
     """Return about what a run of a study costs on a common core [s]."""
-    parameters = LoopParameters(study.node_values())
+    parameters = LoopParameters.from_values(study.node_values())
     scenario = parameters.scenario(study.duration)
     cost = LOOP if scenario.model.is_piecewise_linear else MACHINE
     cost *= scenario.sampling.sampling_rate / 5000.0

@@ -75,15 +75,17 @@ class DataSet:
                 self._check_study(known, label)
                 if not resume:
                     raise BadInputError(f"{label}: already holds this sweep: go on with --resume")
-            elif self.folder.exists() and (not self.folder.is_dir() or any(self.folder.iterdir())):
+            elif self.folder.exists() and not _is_empty(self.folder):
                 raise BadInputError(
                     f"{label}: holds something that is no sweep, must be a new or empty folder"
                 )
+            create_folder(self.folder)
+            if not known.exists():
+                # Before all else: by this a sweep is known, however soon it is killed.
+                write_whole(known, self._study.text.encode() + b"\n")
             create_folder(self.parts_folder)
             for left in self.parts_folder.glob(f"*{UNFINISHED}"):
                 left.unlink()
-            if not known.exists():
-                write_whole(known, self._study.text.encode() + b"\n")
         except OSError as error:
             raise not_writable("--output", self.folder, error) from error
 
@@ -139,6 +141,13 @@ class DataSet:
             f"{label}: is the data set of another study or version, which differs in "
             f"{', '.join(differing)}"
         )
+
+
+def _is_empty(folder: Path) -> bool:
+    """Tell whether there is nothing but what a killed sweep left of its first file."""
+    return folder.is_dir() and not [
+        path for path in folder.iterdir() if path.name != f"{STUDY}{UNFINISHED}"
+    ]
 
 
 def part_schema(study: Study) -> Any:

@@ -81,6 +81,7 @@ class SweepProgress:
 
     def __init__(self, study: Study, done: int) -> None:
         self._tally = Tally(study.compute)
+        self._is_ending = False
         self._display = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -121,6 +122,17 @@ class SweepProgress:
         rate = f"{speed:.3g} runs/s" if speed else ""
         self._display.update(self._task, rate=rate, first=self._tally.line())
 
-    def say_ending(self) -> None:
-        """Show that no more batches begin."""
-        self._display.update(self._task, description="ending: finishes what is in work")
+    def end(self) -> None:
+        """Show that no more batches begin.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            If that has been shown before: somebody does not want to wait for those in work.
+        """
+        if self._is_ending:
+            raise KeyboardInterrupt
+        self._is_ending = True
+        self._display.update(
+            self._task, description="finishes what is in work, not after another Ctrl-C"
+        )

@@ -119,7 +119,7 @@ class _PreparedStudy:
 
     def __init__(self, study: Study) -> None:
         self._study = study
-        self._parameters = LoopParameters(study.node_values())
+        self._parameters = LoopParameters.from_values(study.node_values())
         self._quantities: tuple[RunQuantity, ...] = tuple(map(quantity_of, study.compute))
         looked_at = {name for one in self._quantities for name in one.signals}
         self._keep = tuple(name for name in SIGNALS if name in looked_at | {"u", "q3"})

@@ -80,7 +80,7 @@ class _Sweep:
         began = time.monotonic()
         with (
             SweepProgress(self._study, self._study.runs - left) as progress,
-            StopSignals(progress.say_ending) as signals,
+            StopSignals(progress.end) as signals,
         ):
             for result in self._engine.results(self._until(signals, missing)):
                 try:

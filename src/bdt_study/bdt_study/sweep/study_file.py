@@ -205,7 +205,7 @@ def _check_together(study: Study) -> None:
             raise ValueError(f"compute: {quantity.name}: needs an estimator, which is {NO_TWIN}")
     if len(set(study.compute)) < len(study.compute):
         raise ValueError(f"compute = {list(study.compute)}: names a quantity twice")
-    base = LoopParameters(study.node_values())
+    base = LoopParameters.from_values(study.node_values())
     starts = [axis.extremes[0] for axis in study.axes]
     for place, axis in enumerate(study.axes):
         for value in axis.extremes:
