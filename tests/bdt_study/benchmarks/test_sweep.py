@@ -6,9 +6,10 @@ from bdt_study.benchmarks import sweep
 from bdt_study.benchmarks.bench import run_benchmarks
 from bdt_study.benchmarks.result import BenchmarkSize
 from bdt_study.sweep.batches import batches
-from bdt_study.sweep.data_set import DataSet
 from bdt_study.sweep.run_batch import run_batch
 from bdt_study.sweep.study_file import read_study
+
+data_set = pytest.importorskip("bdt_study.sweep.data_set", reason="beside a ROS 2 without pyarrow")
 
 TINY = BenchmarkSize(sweep_runs=100, sweep_kills=3)
 
@@ -50,7 +51,7 @@ def test_parts_that_differ_are_counted(monkeypatch):
     def run(study, output, life=None):
         """Write a part in each life, the last one otherwise than it should."""
         parsed = read_study(study)
-        data = DataSet(output, parsed)
+        data = data_set.DataSet(output, parsed)
         data.create(resume=True)
         missing = data.missing() if life is None else data.missing()[:1]
         for batch in batches(parsed, missing):

@@ -61,6 +61,11 @@ def test_every_job_is_done_once_though_workers_are_killed(work):
     assert sorted(done) == list(range(200))
 
 
+def test_results_in_order_wait_for_those_before_them(work):
+    jobs = [0.5, 0.0, 0.1, 0.0]
+    assert list(WorkerPool(work.sleep, 2).in_order(iter(jobs))) == jobs
+
+
 def test_workers_that_always_end_are_told_with_what_they_had_in_work(work, monkeypatch):
     monkeypatch.setattr(worker_pool, "MOST_DEATHS", 0)
     pool = WorkerPool(work.end, 1, describe=lambda job: f"part {job}")

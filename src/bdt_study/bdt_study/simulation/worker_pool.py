@@ -57,6 +57,20 @@ class WorkerPool(Generic[Job, Result]):
         LoopError
             If workers end again and again. What the work raises comes through as it is.
         """
+        for _, job, result in self._numbered_results(jobs):
+            yield job, result
+
+    def in_order(self, jobs: Iterator[Job]) -> Iterator[Result]:
+        """Iterate over results in the order of the jobs; see :meth:`results`."""
+        early: dict[int, Result] = {}
+        due = 0
+        for number, _, result in self._numbered_results(jobs):
+            early[number] = result
+            while due in early:
+                yield early.pop(due)
+                due += 1
+
+    def _numbered_results(self, jobs: Iterator[Job]) -> Iterator[tuple[int, Job, Result]]:
         unfinished: dict[int, Job] = {}
         numbered = enumerate(jobs)
         deaths = 0
@@ -65,7 +79,7 @@ class WorkerPool(Generic[Job, Result]):
             try:
                 for number, result in self._worked_on(chain(again, numbered), unfinished):
                     deaths = 0
-                    yield unfinished.pop(number), result
+                    yield number, unfinished.pop(number), result
             except BrokenProcessPool as error:
                 deaths += 1
                 if deaths > MOST_DEATHS:

@@ -1,11 +1,8 @@
 """Random closed loops with a growing gap, each with all controllers that are compared."""
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from multiprocessing import get_context
-from os import cpu_count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +23,7 @@ from bdt_study.simulation.closed_loop import (
 )
 from bdt_study.simulation.loop_kernel import run_kernel
 from bdt_study.simulation.loop_model import LoopInputs
+from bdt_study.simulation.worker_pool import WorkerPool
 from bdt_study.tuning.robust_design import ControllerDesign
 from bdt_twin.dead_zone_tolerance import DeadZoneSettings
 
@@ -104,9 +102,7 @@ def run_loops(
     list of LoopOutcome
         For each of `tried`, loop by loop in the order of `seeds`.
     """
-    # Not forked: the compiled kernels bring threads of their own.
-    with ProcessPoolExecutor(cpu_count(), mp_context=get_context("spawn")) as pool:
-        yield from pool.map(partial(run_loop, models, tried), seeds, chunksize=5)
+    yield from WorkerPool(partial(run_loop, models, tried)).in_order(iter(seeds))
 
 
 def run_loop(models: Sequence[PlantModel], tried: Sequence[Tried], seed: int) -> list[LoopOutcome]:
