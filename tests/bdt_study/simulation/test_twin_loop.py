@@ -11,7 +11,6 @@ from bdt_controller.notch import NO_NOTCH
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.gap_profile import GapProfile
-from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters
@@ -303,19 +302,3 @@ def test_a_decision_that_a_badly_damped_mechanism_belies_is_taken_back():
     assert "a decision was taken back: the loop has not rested" in last.reason
     assert first.tolerance < PITCH * gap
     assert run.tolerances[-1] == pytest.approx(PITCH * gap)
-
-
-class KnowingEstimator:
-    """Knows the gap at once."""
-
-    def restart(self):
-        """Nothing is kept."""
-
-    def update(self, batch, *, newest_only=False):
-        return Estimate(batch[-1, 0], 0.1)
-
-
-def test_the_dead_zone_has_the_pitch_that_the_twin_believes_in():
-    believed = dataclasses.replace(PlantModel(), lead_screw=LeadScrewParameters(2.0 * PITCH))
-    run = simulate_with_twin(SCENARIO, KnowingEstimator(), link=link(0.0), believed=believed)
-    assert run.tolerances[-1] == tolerance_for_gap(0.1, 2.0 * PITCH)
