@@ -131,7 +131,8 @@ def test_requirements_that_are_computed_are_refused(write_package):
 
 
 def test_an_exception_that_nothing_needs_any_more_is_found():
-    (problem,) = idle_exceptions({"bdt_study": {"numpy"}})
+    needed = {"numpy", "SALib", "distributed", "pyarrow"}
+    (problem,) = idle_exceptions({"bdt_study": needed})
     assert problem == "checks/dependency_table.py: bdt_study: imports no cyclonedds"
 
 
