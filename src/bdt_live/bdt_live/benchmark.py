@@ -194,11 +194,21 @@ async def _time_to_catch_up(address: str) -> float:
             message = await other.next()
             now = message["rows"][-1][0] if message["type"] == "frame" else 0.0
         begin = time.monotonic()
-        while True:
-            message = await suspended.next()
-            frames = [message] if message["type"] == "frame" else message.get("frames", [])
-            if frames and frames[-1]["rows"][-1][0] >= now:
-                return time.monotonic() - begin
+        try:
+            await _see(suspended, now)
+        except TypeError:  # closed, for it has taken nothing for long: a page then opens another
+            async with _pages(address, 1) as (again,):
+                await _see(again, now)
+        return time.monotonic() - begin
+
+
+async def _see(page: Page, now: float) -> None:
+    """Take what comes until a row of a time [s] is there."""
+    while True:
+        message = await page.next()
+        frames = [message] if message["type"] == "frame" else message.get("frames", [])
+        if frames and frames[-1]["rows"][-1][0] >= now:
+            return
 
 
 def _processor_time(process: int) -> float:
