@@ -1,4 +1,4 @@
-"""A loop with its page in a browser, one for all tests: starting either takes seconds."""
+"""A loop with its page in a browser, one for the tests of a file: starting either takes seconds."""
 
 import os
 import shutil
@@ -106,9 +106,9 @@ def free_port() -> int:
         return listening.getsockname()[1]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def live_loop(tmp_path_factory: pytest.TempPathFactory, claim_domain: Any) -> Iterator[LiveProgram]:
-    """Return a loop of the paper's figure 7 that runs for all tests."""
+    """Return a loop of the paper's figure 7 that runs for all tests of a file."""
     output = tmp_path_factory.mktemp("live") / "output"
     program = LiveProgram(output, domain=claim_domain())
     yield program
@@ -132,7 +132,7 @@ def beside(tmp_path: Path) -> Iterator[Callable[..., LiveProgram]]:
             program.end()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def page(browser: Any, live_loop: LiveProgram) -> Iterator[Any]:
     """Return the browser with the page of the loop, once the loop moves."""
     browser.events.clear()
@@ -150,3 +150,5 @@ def page(browser: Any, live_loop: LiveProgram) -> Iterator[Any]:
     browser.wait_for("document.getElementById('plant.gap.initial') !== null")
     yield browser
     browser.command("Page.removeScriptToEvaluateOnNewDocument", **kept)
+    # Or it would draw until the last test of all files.
+    browser.command("Page.navigate", url="about:blank")

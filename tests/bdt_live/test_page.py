@@ -142,6 +142,13 @@ def test_the_loop_goes_at_the_pace_that_is_chosen(page):
     page.wait_for("parseFloat(document.getElementById('rate').textContent) > 300")
 
 
+def test_the_slider_of_the_gap_follows_one_that_wears(page):
+    page.evaluate("document.activeElement.blur()")
+    page.evaluate("document.getElementById('wear').click()")
+    before = value_of(page, GAP)
+    page.wait_for(f"document.getElementById('{GAP}').value > {before + 1.0}")
+
+
 def test_a_preset_is_one_click(page):
     page.evaluate("document.querySelector('[data-preset=linear]').click()")
     page.wait_for("!document.getElementById('twin.reconfigure').checked")

@@ -133,6 +133,13 @@ export class Control {
     }
   }
 
+  // Show a value that is not the parameter's, unless somebody is about to set it.
+  follow(value) {
+    if (this.element.contains(document.activeElement) || this.slider.matches(":active")) return;
+    this.slider.value = value;
+    this.field.value = this.worded(value);
+  }
+
   worded(value) {
     return String(Number((value / this.scale).toPrecision(5)));
   }

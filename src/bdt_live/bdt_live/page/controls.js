@@ -10,6 +10,7 @@ export class Controls {
     this.connection = connection;
     this.nodes = new Map(); // by node: by name: the control
     this.notes = []; // called with (node, name, value) for each value in force
+    this.grows = false; // whether the gap is another one than its parameter says
   }
 
   // Take all controls of a node; none of a node that is not there.
@@ -36,6 +37,7 @@ export class Controls {
   }
 
   note(node, name, value) {
+    if (node === "plant" && name === "gap.kind") this.grows = value !== "constant";
     for (const take of this.notes) take(node, name, value);
   }
 
@@ -48,6 +50,11 @@ export class Controls {
       if (reason) return reason;
     }
     return this.connection.ask("set", { node, values });
+  }
+
+  // Show where a gap [rad] is that grows.
+  follow(gap) {
+    if (this.grows && Number.isFinite(gap)) this.nodes.get("plant")?.get("gap.initial")?.follow(gap);
   }
 
   lay() {

@@ -101,6 +101,7 @@ function draw(timestamp) {
   mechanism.draw(signals.now());
   plots.drawNext(signals);
   if (frames % 3 === 0) portraits.draw(signals);
+  if (frames % 15 === 0) controls.follow(signals.now()?.gap);
   if (signals.shown !== null) find("time").textContent = `${signals.shown.toFixed(2)} s`;
 }
 
