@@ -12,7 +12,7 @@ SOURCES := src tests embedded_ros checks docs/make_figures.py docs/source/conf.p
 # Tests of one file share what they set up, so a file stays with one process. A third of a process's time
 # is waiting for others, hence one more than there are processors.
 PROCESSES = $(shell $(PYTHON) -c 'import os; print(min(os.cpu_count() + 1, 4))')
-PARALLEL ?= --numprocesses $(PROCESSES) --dist loadfile
+PARALLEL ?= --numprocesses $(PROCESSES) --dist loadfile --no-loadscope-reorder
 
 .PHONY: run hardware test test-noble conformance stray-messages soak setup check docs figures dist dist-test version lock
 
