@@ -17,10 +17,9 @@ from embedded_ros.errors import (
     TimeoutException,
 )
 from embedded_ros.public_names import also_here, shown_in
-from embedded_ros.work_loop import Job
 from rclpy._executor import Executor
 from rclpy.context import Context
-from rclpy.task import Future, Task
+from rclpy.task import Future
 
 __all__ = [
     "ConditionReachedException",
@@ -132,19 +131,18 @@ class MultiThreadedExecutor(Executor):
         except ExternalShutdownException:
             return  # this executor only returns, as in rclpy
         if work is not None:
-            self.__started.append(self.__threads.submit(self.__run, work))
+            started = self.__threads.submit(self._embedded.run, work)
+            self.__started.append(started)
+            # Once it is done, not before: whoever spins asks whether it has failed.
+            started.add_done_callback(self.__wake_for_failure)
         ended = [started for started in self.__started if started.done()]
         self.__started = [started for started in self.__started if started not in ended]
         for each in ended:
             each.result()  # raises what the callback raised
 
-    def __run(self, work: Job | Task) -> None:
-        try:
-            self._embedded.run(work)
-        except BaseException:
-            # Whoever spins raises it, too.
+    def __wake_for_failure(self, started: concurrent.futures.Future[None]) -> None:
+        if not started.cancelled() and started.exception() is not None:
             self._embedded.interrupt()
-            raise
 
     def __has_failed(self) -> bool:
         return any(started.done() and started.exception() for started in self.__started)
