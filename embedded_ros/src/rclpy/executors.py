@@ -40,6 +40,7 @@ __getattr__ = also_here(
         "rclpy.guard_condition": "GuardCondition",
         "rclpy.service": "Service",
         "rclpy.subscription": "Subscription",
+        "rclpy.task": "Task",
         "rclpy.timer": "Timer",
         "rclpy.utilities": "timeout_sec_to_nsec",
     },
