@@ -64,11 +64,7 @@ function worstStep(runs) {
   return 1 + left.indexOf(Math.max(...left));
 }
 
-async function start() {
-  const description = JSON.parse(document.getElementById("description").textContent);
-  const library = document.createElement("script");
-  library.textContent = new TextDecoder().decode(await unpacked("plotly"));
-  document.head.append(library);
+drawPage(async (description) => {
   await loadSignals(description);
   document.documentElement.classList.add("interactive-ready");
   const timePlot = new TimePlot(document.getElementById("time-plot"), description);
@@ -77,13 +73,4 @@ async function start() {
   const { select, follow } = connect(timePlot, cyclePlot);
   await select(worstStep(description.runs), { move: false });
   await follow();
-  document.documentElement.dataset.plots = "drawn";
-}
-
-start().catch((error) => {
-  document.documentElement.classList.remove("interactive-ready");
-  document.documentElement.dataset.plots = "failed";
-  document.getElementById("plots-failed").hidden = false;
-  document.getElementById("plots-failed").append(` (${error})`);
-  console.error(error);
 });

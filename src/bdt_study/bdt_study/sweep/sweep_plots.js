@@ -119,11 +119,7 @@ function choices(id, names, chosen) {
   return select;
 }
 
-async function start() {
-  const description = JSON.parse(document.getElementById("description").textContent);
-  const library = document.createElement("script");
-  library.textContent = new TextDecoder().decode(await unpacked("plotly"));
-  document.head.append(library);
+drawPage(async (description) => {
   document.documentElement.classList.add("interactive-ready");
   const plots = new SweepPlots(description);
   if (!plots.names.length) throw new Error("no parameter has more than one value");
@@ -138,13 +134,4 @@ async function start() {
   for (const select of [quantity, right, upward]) select.addEventListener("change", draw);
   document.addEventListener("theme", draw);
   await draw();
-  document.documentElement.dataset.plots = "drawn";
-}
-
-start().catch((error) => {
-  document.documentElement.classList.remove("interactive-ready");
-  document.documentElement.dataset.plots = "failed";
-  document.getElementById("plots-failed").hidden = false;
-  document.getElementById("plots-failed").append(` (${error})`);
-  console.error(error);
 });
