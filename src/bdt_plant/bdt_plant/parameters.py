@@ -15,9 +15,7 @@ from bdt_plant.stiffening_tower import BeamParameters
 from bdt_plant.stribeck import StribeckParameters
 from bdt_plant.structure import StructureParameters
 
-PARAMETERS = (
-    ("", PlantSettings),
-    ("", Sampling),
+MECHANISM = (
     ("motor", MotorParameters),
     ("lead_screw", LeadScrewParameters),
     ("structure", StructureParameters),
@@ -26,6 +24,13 @@ PARAMETERS = (
     ("lead_screw", ScrewMechanics),
     ("structure", BeamParameters),
     ("push", PushParameters),
+)
+"""Those of a :class:`bdt_plant.plant.PlantModel`, in its order."""
+
+PARAMETERS = (
+    ("", PlantSettings),
+    ("", Sampling),
+    *MECHANISM,
     ("gap", GapProfile),
     ("actuator", ActuatorParameters),
     ("sensor", SensorParameters),

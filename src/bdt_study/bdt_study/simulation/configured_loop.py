@@ -17,19 +17,12 @@ from bdt_msgs_py.parameter_tables import (
 )
 from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
 from bdt_plant.actuator import ActuatorParameters
-from bdt_plant.cogging import CoggingParameters
 from bdt_plant.gap_profile import GapProfile
-from bdt_plant.lead_screw import LeadScrewParameters
-from bdt_plant.motor import MotorParameters
+from bdt_plant.parameters import MECHANISM
 from bdt_plant.parameters import PARAMETERS as PLANT_PARAMETERS
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_settings import PlantSettings
-from bdt_plant.pushes import PushParameters
-from bdt_plant.screw_load import ScrewMechanics
 from bdt_plant.sensor import SensorParameters
-from bdt_plant.stiffening_tower import BeamParameters
-from bdt_plant.stribeck import StribeckParameters
-from bdt_plant.structure import StructureParameters
 from bdt_study.simulation.closed_loop import Scenario
 from bdt_study.simulation.twin_loop import TwinTrajectory, simulate_with_twin
 from bdt_twin.dead_zone_tolerance import DeadZoneSettings
@@ -52,20 +45,8 @@ TABLES: Mapping[str, ParameterTable] = {
 Part = tuple[str, str, type[Any]]
 """Node, prefix and dataclass of some of its parameters."""
 
-MECHANISM = (
-    ("motor", MotorParameters),
-    ("lead_screw", LeadScrewParameters),
-    ("structure", StructureParameters),
-    ("motor", StribeckParameters),
-    ("motor", CoggingParameters),
-    ("lead_screw", ScrewMechanics),
-    ("structure", BeamParameters),
-    ("push", PushParameters),
-)
-"""Parts of a :class:`PlantModel`, in its order."""
-
 BELIEVED = MECHANISM[:3]
-"""Those that the twin has, too."""
+"""Parts of the mechanism that the twin has, too."""
 
 
 @dataclass(frozen=True)
