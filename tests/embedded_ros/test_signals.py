@@ -71,3 +71,44 @@ def test_a_signal_ends_a_wait_that_nothing_else_ends(number, error):
         process.send_signal(number)
         out, errors = process.communicate(timeout=TIMEOUT_S)
     assert (out, errors, process.returncode) == (f"{error} False\n", "", 0)
+
+
+OUTLIVED = """
+import os, signal, threading, time
+from rclpy.context import Context
+from rclpy.signals import install_signal_handlers
+
+def initialized():
+    context = Context()
+    context.init([])
+    return context
+
+install_signal_handlers()
+before = initialized()
+# Another thread than main cannot take the wake-up descriptor back from the interpreter.
+ender = threading.Thread(target=before.shutdown)
+ender.start()
+ender.join()
+os.kill(os.getpid(), signal.SIGTERM)
+outlived = set()
+descriptors = set()
+for _ in range(20):
+    context = initialized()
+    time.sleep(0.02)  # for what should not happen
+    outlived.add(context.ok())
+    os.kill(os.getpid(), signal.SIGTERM)
+    context.try_shutdown()
+    descriptors.add(len(os.listdir("/proc/self/fd")))
+print(outlived, len(descriptors), threading.active_count())
+"""
+
+
+def test_a_context_outlives_the_signals_from_before_it():
+    done = subprocess.run(
+        [sys.executable, "-c", OUTLIVED],
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=True,
+    )
+    assert (done.stdout, done.stderr) == ("{True} 1 1\n", "")

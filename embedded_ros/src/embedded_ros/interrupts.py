@@ -7,7 +7,6 @@ interrupts all waits: the main thread comes out of its wait and Python runs the 
 handlers of rclpy are installed for the signal.
 """
 
-import contextlib
 import os
 import signal
 import threading
@@ -23,26 +22,30 @@ _lock = threading.RLock()
 _sessions: weakref.WeakSet[Session] = weakref.WeakSet()
 _installed: set[int] = set()
 _replaced: dict[int, Any] = {}
-#: Reading and writing end of a pipe.
-_channel: tuple[int, int] | None = None
-_previous_descriptor = -1
-_thread: threading.Thread | None = None
+_listener: "_Listener | None" = None
+#: By the descriptor that signals still lead to: those that a thread other than main has stopped.
+_abandoned: "dict[int, _Listener]" = {}
 _STOP = b"\0"
 
 
 def watch(session: Session) -> None:
     """Interrupt this session's waits when a signal comes."""
+    global _listener
     with _lock:
         _sessions.add(session)
-    _start()
+        if _listener is None and threading.current_thread() is threading.main_thread():
+            _listener = _Listener()
 
 
 def unwatch(session: Session) -> None:
     """Undo :func:`watch`; after the last one the thread ends."""
+    global _listener
     with _lock:
         _sessions.discard(session)
-        if not _sessions:
-            _stop()
+        if _sessions or _listener is None:
+            return
+        listener, _listener = _listener, None
+    listener.stop()
 
 
 def install(signals: set[int]) -> None:
@@ -79,51 +82,53 @@ def _ignore(_number: int, _frame: FrameType | None) -> None:
     """Handle a signal: the thread does it."""
 
 
-def _start() -> None:
-    global _channel, _previous_descriptor, _thread
-    with _lock:
-        if _thread is not None or threading.current_thread() is not threading.main_thread():
-            return
-        if _channel is None:
-            _channel = os.pipe()
-            os.set_blocking(_channel[1], False)
-        _previous_descriptor = signal.set_wakeup_fd(_channel[1], warn_on_full_buffer=False)
-        _thread = threading.Thread(
-            target=_listen, args=(_channel[0],), name="rclpy signals", daemon=True
-        )
-        _thread.start()
+class _Listener:
+    """A thread that hears of signals through a pipe of its own.
 
+    What came before it was there, or comes to it after its end, does not concern the sessions that
+    there are by then. Made in the main thread: others cannot move the wake-up descriptor.
+    """
 
-def _stop() -> None:
-    global _thread
-    thread = _thread
-    if thread is None or _channel is None:
-        return
-    _thread = None
-    if threading.current_thread() is threading.main_thread():
-        signal.set_wakeup_fd(_previous_descriptor)
-    # The pipe stays open: another thread cannot take the descriptor back from the interpreter.
-    with contextlib.suppress(OSError):
-        os.write(_channel[1], _STOP)
-    if thread is not threading.current_thread():
-        # It may wait for the lock to handle a last signal; nothing is left for it to do then.
-        thread.join(timeout=0.1)
+    def __init__(self) -> None:
+        self._reading, self._writing = os.pipe()
+        os.set_blocking(self._writing, False)
+        previous = signal.set_wakeup_fd(self._writing, warn_on_full_buffer=False)
+        abandoned = _abandoned.pop(previous, None)
+        self._previous = previous if abandoned is None else abandoned._release()
+        self._thread = threading.Thread(target=self._listen, name="rclpy signals", daemon=True)
+        self._thread.start()
 
-
-def _listen(channel: int) -> None:
-    while data := os.read(channel, 64):
-        for number in data:
-            if number == _STOP[0]:
-                return
-            _handle(number)
-
-
-def _handle(number: int) -> None:
-    with _lock:
-        sessions = list(_sessions)
-        shut_down = number in _installed
-    for session in sessions:
-        if shut_down:
-            session.invalidate()
+    def stop(self) -> None:
+        """End the thread, and give the wake-up descriptor back if this is the main thread."""
+        in_main = threading.current_thread() is threading.main_thread()
+        if in_main:
+            signal.set_wakeup_fd(self._previous)
         else:
-            session.interrupt()
+            _abandoned[self._writing] = self
+        os.write(self._writing, _STOP)
+        # Not if a garbage collection in the thread itself dropped the last context.
+        if self._thread is not threading.current_thread():
+            self._thread.join()
+        if in_main:
+            self._release()
+
+    def _release(self) -> int:
+        """Close the pipe; return the wake-up descriptor from before."""
+        os.close(self._writing)
+        os.close(self._reading)
+        return self._previous
+
+    def _listen(self) -> None:
+        while _STOP not in (data := os.read(self._reading, 64)):
+            for number in data:
+                self._handle(number)
+
+    def _handle(self, number: int) -> None:
+        with _lock:
+            sessions = list(_sessions) if _listener is self else []
+            shut_down = number in _installed
+        for session in sessions:
+            if shut_down:
+                session.invalidate()
+            else:
+                session.interrupt()
