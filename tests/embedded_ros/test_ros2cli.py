@@ -1,4 +1,4 @@
-"""The ``ros2`` command as a process: its output and exit codes have the shape of Jazzy's.
+"""The ``ros2`` command: its output and exit codes have the shape of Jazzy's.
 
 Nodes, parameters, services, interfaces, packages and the doctor; topics and bags have files of
 their own.
@@ -6,47 +6,17 @@ their own.
 
 import re
 import subprocess
-import sys
 
 import pytest
 import yaml
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
+from ros2_commands import COMMAND, TIMEOUT_S, failure, ros2, ros2_all, ros2_processes
 from ros2cli.cli import main
 from ros2cli.commands.options import SPIN_TIME_S
 from ros2cli.errors import CommandError, Terminated
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
-
-TIMEOUT_S = 120
-COMMAND = [sys.executable, "-c", "from ros2cli.cli import main; raise SystemExit(main())"]
-
-
-def ros2_all(*commands):
-    """Run commands at the same time; the output, errors and exit code of each."""
-    processes = [
-        subprocess.Popen(
-            [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
-        for words in commands
-    ]
-    try:
-        return [
-            (*process.communicate(timeout=TIMEOUT_S), process.returncode) for process in processes
-        ]
-    finally:
-        for process in processes:
-            process.kill()
-
-
-def ros2(*words):
-    (result,) = ros2_all(words)
-    return result
-
-
-def failure(text, code=1):
-    """Make the result of a command that fails with one line."""
-    return ("", f"{text}\n", code)
 
 
 @pytest.fixture
@@ -75,7 +45,7 @@ def robot(ros, spin_in_thread):
 
 
 def test_nodes(robot):
-    names, count, info, hidden, nobody = ros2_all(
+    names, count, info, hidden, nobody = ros2_processes(
         ("node", "list", "--no-daemon"),
         ("node", "list", "-c"),
         ("node", "info", "/robot"),
@@ -312,7 +282,7 @@ def test_interfaces_are_listed():
 
 
 def test_packages_and_executables():
-    packages, executables, own, unknown, no_package, no_executable, nested = ros2_all(
+    packages, executables, own, unknown, no_package, no_executable, nested = ros2_processes(
         ("pkg", "list"),
         ("pkg", "executables"),
         ("pkg", "executables", "embedded_ros"),
@@ -331,7 +301,7 @@ def test_packages_and_executables():
 
 
 def test_the_doctor_tells_what_runs_over_what(robot):
-    checked, report = ros2_all(("doctor",), ("doctor", "--report"))
+    checked, report = ros2_processes(("doctor",), ("doctor", "--report"))
     assert checked[0] == "\nAll 4 checks passed\n\n"
     assert "UserWarning: /data is published, and nobody subscribes.\n" in checked[1]
     assert checked[2] == report[2] == 0

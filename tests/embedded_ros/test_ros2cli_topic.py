@@ -4,16 +4,14 @@ import os
 import re
 import signal
 import subprocess
-import sys
 
 import pytest
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from ros2_commands import COMMAND, TIMEOUT_S, failure, ros2_all
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
 
-TIMEOUT_S = 120
-COMMAND = [sys.executable, "-c", "from ros2cli.cli import main; raise SystemExit(main())"]
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -29,20 +27,8 @@ def start(*words):
 
 
 def topic_all(*commands):
-    """Run verbs of ``ros2 topic`` at the same time; output, errors and exit code of each."""
-    processes = [start(*words) for words in commands]
-    try:
-        return [
-            (*process.communicate(timeout=TIMEOUT_S), process.returncode) for process in processes
-        ]
-    finally:
-        for process in processes:
-            process.kill()
-
-
-def failure(text, code=1):
-    """Make the result of a command that fails with one line."""
-    return ("", f"{text}\n", code)
+    """Run verbs of ``ros2 topic`` in this process; output, errors and exit code of each."""
+    return ros2_all(*(("topic", *words) for words in commands))
 
 
 @pytest.fixture
