@@ -58,9 +58,11 @@ def test_it_tells_the_rate_of_the_mechanism(drive):
 def test_the_platform_moves_with_the_voltage_and_rests_without(drive):
     begin = drive.read().position
     end = time.monotonic() + DEADLINE
-    while drive.read().position < begin + 0.001:
+    while (reading := drive.read()).position < begin + 0.001:
         assert time.monotonic() < end
-        drive.write(4.0)
+        # As often as it is heard of, or a busy computer's emulator does not follow.
+        if len(reading.samples):
+            drive.write(4.0)
     drive.stop()
     read_until(drive, lambda reading: len(reading.samples) and not reading.samples[-1, 0])
 

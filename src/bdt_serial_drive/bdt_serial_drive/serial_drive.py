@@ -21,6 +21,9 @@ from bdt_serial_drive.messages import (
 from bdt_serial_drive.sample_sequence import SampleSequence
 from bdt_serial_drive.serial_line import SerialLine
 
+SHORTEST_WRITE_TIMEOUT = 0.05
+"""Time [s] that a port may take for its bytes, whatever the watchdog: adapters have buffers."""
+
 ASKING_PERIOD = 0.1
 """Time [s] after which a device that has not answered is asked again."""
 
@@ -65,7 +68,9 @@ class SerialDrive:
     def open(self) -> None:
         """Open the port and wait until the device has told who it is, and its first sample."""
         self.close()
-        self._line = SerialLine(self._port, self._baud_rate)
+        # A device that has taken no bytes for as long has no voltage on the motor any more.
+        patience = max(self._watchdog, SHORTEST_WRITE_TIMEOUT)
+        self._line = SerialLine(self._port, self._baud_rate, patience)
         self._waiting.clear()
         self._sequence, self.identity = SampleSequence(), None
         end = time.monotonic() + self._answer_timeout

@@ -12,9 +12,6 @@ import serial
 from bdt_driver.guarded_drive import DriveError
 from bdt_serial_drive.frames import Frame, FrameReader, encoded
 
-WRITE_TIMEOUT = 0.05
-"""Time [s] after which a line that takes no bytes is a fault."""
-
 
 class SerialLine:
     """A serial port that is open and belongs to this process alone.
@@ -25,6 +22,8 @@ class SerialLine:
         Device, for example ``/dev/ttyUSB0``; a link to one will do.
     baud_rate : int
         Bits per second; of no matter to USB devices and pseudo-terminals.
+    write_timeout : float
+        Time [s] after which a line that takes no bytes is a fault.
 
     Raises
     ------
@@ -33,14 +32,14 @@ class SerialLine:
         when the cable is pulled.
     """
 
-    def __init__(self, port: str, baud_rate: int) -> None:
-        self._name = port
+    def __init__(self, port: str, baud_rate: int, write_timeout: float) -> None:
+        self._name, self._write_timeout = port, write_timeout
         self._reader = FrameReader()
         self._sequence = 0
         self._sending = threading.Lock()
         try:
             self._port: Any = serial.Serial(
-                port, baud_rate, timeout=0.0, write_timeout=WRITE_TIMEOUT, exclusive=True
+                port, baud_rate, timeout=0.0, write_timeout=write_timeout, exclusive=True
             )
         except (serial.SerialException, OSError, ValueError) as error:
             raise DriveError(f"port {port}: {_reason(error)}") from error
@@ -77,7 +76,7 @@ class SerialLine:
             yield
         except serial.SerialTimeoutException as error:
             raise DriveError(
-                f"port {self._name}: takes no bytes for {WRITE_TIMEOUT:g} s: the device hangs"
+                f"port {self._name}: takes no bytes for {self._write_timeout:g} s: the device hangs"
             ) from error
         # Closed by another thread, a port has no number any more: a TypeError of pyserial.
         except (serial.SerialException, OSError, TypeError, ValueError) as error:
