@@ -82,31 +82,38 @@ def loop_margins(loop: StateSpace) -> LoopMargins:
         L, with one input and one output, in continuous or discrete time.
     """
     frequency = characteristic_frequencies(loop)
+    # Once for all that is looked for: python-control solves for each frequency by itself.
+    values = frequency_response(loop, frequency)
 
-    def response(at: float | FloatArray) -> ComplexArray:
-        return frequency_response(loop, np.atleast_1d(np.asarray(at, dtype=np.float64)))
+    def value(at: float) -> complex:
+        return complex(frequency_response(loop, np.array([at]))[0])
 
-    def loudness(at: float | FloatArray) -> FloatArray:
-        return np.log(np.abs(response(at)))
-
-    def fall(at: float | FloatArray) -> FloatArray:
-        values = response(at)
-        return np.abs(values / (1 + values)) - HALF_POWER
-
-    def distance(at: float | FloatArray) -> FloatArray:
-        return np.abs(1 + response(at))
+    def roots(function: Callable[[ComplexArray], FloatArray]) -> list[float]:
+        """Return where a function of L changes its sign [rad/s], in order."""
+        positive = function(values) > 0
+        return [
+            float(
+                brentq(
+                    lambda at: function(np.array([value(at)]))[0],
+                    frequency[k],
+                    frequency[k + 1],
+                    xtol=1e-10,
+                )
+            )
+            for k in np.flatnonzero(positive[1:] != positive[:-1])
+        ]
 
     crossovers = tuple(
-        Crossover(at, float(np.angle(-response(at)[0]))) for at in _roots(loudness, frequency)
+        Crossover(at, float(np.angle(-value(at)))) for at in roots(lambda each: np.abs(each) - 1.0)
     )
-    turns = _roots(lambda at: response(at).imag, frequency)
-    factors = [-1.0 / value for at in turns if (value := float(response(at)[0].real)) < 0]
-    nearest = int(np.argmin(distance(frequency)))
+    turns = [value(at).real for at in roots(lambda each: each.imag)]
+    factors = [-1.0 / real for real in turns if real < 0]
+    nearest = int(np.argmin(np.abs(1 + values)))
     around = frequency[max(nearest - 1, 0)], frequency[min(nearest + 1, frequency.size - 1)]
     closest = minimize_scalar(
-        lambda at: float(distance(at)[0]), bounds=around, method="bounded", options={"xatol": 1e-9}
+        lambda at: abs(1 + value(at)), bounds=around, method="bounded", options={"xatol": 1e-9}
     )
-    falls = _roots(fall, frequency)
+    falls = roots(lambda each: np.abs(each / (1 + each)) - HALF_POWER)
     return LoopMargins(
         stable=is_stable(loop),
         crossovers=crossovers,
@@ -146,14 +153,3 @@ def characteristic_frequencies(loop: StateSpace, points: int = 3000) -> FloatArr
     if discrete:
         highest = min(highest, (1 - 1e-9) * math.pi / loop.dt)
     return np.asarray(frequency[(frequency >= lowest) & (frequency <= highest)])
-
-
-def _roots(
-    function: Callable[[float | FloatArray], FloatArray], frequency: FloatArray
-) -> list[float]:
-    """Return the sign changes of a function of frequency, in order."""
-    positive = function(frequency) > 0
-    return [
-        float(brentq(lambda at: function(at)[0], frequency[k], frequency[k + 1], xtol=1e-10))
-        for k in np.flatnonzero(positive[1:] != positive[:-1])
-    ]
