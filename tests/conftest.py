@@ -27,6 +27,33 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 # A browser, bags and messages of loops, for the tests of several packages.
 pytest_plugins = ["browser", "recorded_loops"]
 
+LONG = (
+    "test_tutorials",
+    "test_run",
+    "test_page",
+    "test_output_error",
+    "test_supervision",
+    "test_reference",
+    "test_hardware_check",
+    "test_stray_messages",
+    "test_reproduce",
+    "test_analyze",
+    "test_restarts",
+    "test_export",
+    "test_fault_schedules",
+    "test_run_sweep",
+    "test_dask_cluster",
+    "test_ros2cli",
+    "test_stray_processes",
+)
+"""Files of tests that take longest: the last one to begin would have one process work alone."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the files first that take longest; xdist puts those first that have most tests."""
+    items.sort(key=lambda item: LONG.index(item.path.stem) if item.path.stem in LONG else len(LONG))
+
+
 # Time limits of hypothesis say more about a busy machine than about the code.
 settings.register_profile("project", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("project")

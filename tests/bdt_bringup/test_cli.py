@@ -161,15 +161,15 @@ def with_closed_pipe(*arguments, buffered=True, error_output=subprocess.PIPE):
 QUIET = 128 + signal.SIGPIPE
 
 
-@pytest.mark.parametrize("buffered", [True, False])
 @pytest.mark.parametrize(
-    "arguments",
+    ("buffered", "arguments"),
     [
-        ["bench", "control_step"],
-        ["analyze", "BAG", "--output", "OUTPUT"],
-        ["analyze", "BAG", "--output", "OUTPUT", "--json"],
-        ["compare", "BAG", "BAG", "--output", "OUTPUT"],
-        ["recover", "BAG", "--output", "OUTPUT"],
+        (True, ["bench", "control_step"]),
+        (False, ["bench", "control_step"]),
+        (True, ["analyze", "BAG", "--output", "OUTPUT", "--json"]),
+        (False, ["analyze", "BAG", "--output", "OUTPUT"]),
+        (True, ["compare", "BAG", "BAG", "--output", "OUTPUT"]),
+        (False, ["recover", "BAG", "--output", "OUTPUT"]),
     ],
 )
 def test_a_command_whose_reader_is_gone_ends_quietly_as_any_other_tool(
