@@ -56,7 +56,8 @@ class Loops:
     def __init__(self, failures):
         self._failures = failures
 
-    def __call__(self, models, tried, seeds):
+    def __call__(self, models, tried, seeds, control_rate):
+        self.control_rate = control_rate
         for seed in seeds:
             yield [
                 outcome(
@@ -70,8 +71,10 @@ class Loops:
 class Search:
     """Stands for the search of gains, which has tests of its own."""
 
+    asked = None
+
     def __init__(self, models, bandwidth, control_rate):
-        assert (bandwidth, control_rate) == (10.0, 500.0)
+        Search.asked = bandwidth, control_rate
 
     def design(self, name, integral_time, *, with_notch):
         notch = NotchFilter(27.0) if with_notch else NO_NOTCH
@@ -86,8 +89,12 @@ def decided_designs(monkeypatch):
 
 def run(monkeypatch, failures):
     monkeypatch.setattr(tune, "run_loops", Loops(failures))
+    return tuned()
+
+
+def tuned():
     tuner = tune.Tuner(
-        PlantModel(), MechanismRanges(), PidGains(), Targets(), lambda *_progress: None
+        PlantModel(), MechanismRanges(), PidGains(), Targets(), 500.0, lambda *_progress: None
     )
     return tuner.tune(10, 20, 0)
 
@@ -119,14 +126,13 @@ def test_where_nothing_will_do_that_is_said(monkeypatch):
 
 def test_what_was_only_lucky_in_the_choice_is_not_recommended(monkeypatch):
     class Confirming(Loops):
-        def __call__(self, models, tried, seeds):
+        def __call__(self, models, tried, seeds, control_rate):
             self.is_choice = seeds[0] >= tune.SCREENING
-            return super().__call__(models, tried, seeds)
+            return super().__call__(models, tried, seeds, control_rate)
 
     loops = Confirming(lambda one, **_: not loops.is_choice and one.dead_zone.ratio < 0.55)
     monkeypatch.setattr(tune, "run_loops", loops)
-    tuner = tune.Tuner(PlantModel(), MechanismRanges(), PidGains(), Targets(), lambda *_: None)
-    result = tuner.tune(10, 20, 0)
+    result = tuned()
     assert result.is_met
     assert result.recommended.tried.dead_zone.ratio == 0.6
 
@@ -134,8 +140,8 @@ def test_what_was_only_lucky_in_the_choice_is_not_recommended(monkeypatch):
 def test_a_random_loop_is_the_same_whatever_else_is_tried():
     models = (PlantModel(),)
     wide = Tried(TODAY.design, DeadZoneSettings(ratio=2.0))
-    (alone,) = run_loop(models, [wide], 7)
-    _, together = run_loop(models, [TODAY, wide], 7)
+    (alone,) = run_loop(models, [wide], 7, 500.0)
+    _, together = run_loop(models, [TODAY, wide], 7, 500.0)
     assert alone == together
     assert alone.limit_cycles == 0
     assert all(0.0 < share < 200.0 for share in alone.overshoots)
@@ -146,6 +152,8 @@ def options(tmp_path, **changes):
         "config": None,
         "calibration": None,
         "range": [],
+        "bandwidth": None,
+        "phase_margin": None,
         "screening": 10,
         "loops": 10,
         "seed": 0,
@@ -176,6 +184,31 @@ def test_the_command_prints_json_and_writes_parameters_that_nodes_take(
     assert written["twin"]["structure.mass"] == 5.0
 
 
+@pytest.mark.parametrize("node", ["plant", "driver"])
+def test_bandwidth_and_rate_are_those_of_the_loop_to_come(tmp_path, monkeypatch, capsys, node):
+    loops = Loops(lambda _one, is_nominal: 0)
+    monkeypatch.setattr(tune, "run_loops", loops)
+    config = tmp_path / "start.yaml"
+    sections = {f"/**/{node}": {"ros__parameters": {"control_rate": 250.0}}}
+    config.write_text(yaml.safe_dump(sections), encoding="utf-8")
+    run_tuning.run_tuning(options(tmp_path, config=config, bandwidth=4.0))
+    assert Search.asked == (4.0, 250.0)
+    assert loops.control_rate == 250.0
+    # What simulates decisions has to know it, too.
+    assert read_configuration(tmp_path / "tuned.yaml")["twin"]["decision.control_rate"] == 250.0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["targets"]["bandwidth"] == 4.0
+    assert "bandwidth 10 rad/s, not 4" in printed["recommended"]["lacks"]
+
+
+def test_a_random_loop_runs_at_any_rate():
+    (slow,) = run_loop((PlantModel(),), [TODAY], 7, 250.0)
+    (usual,) = run_loop((PlantModel(),), [TODAY], 7, 500.0)
+    assert slow.limit_cycles == usual.limit_cycles == 0
+    assert slow.voltage_peak == pytest.approx(usual.voltage_peak, rel=0.2)
+    assert slow != usual
+
+
 def test_the_command_prints_a_table(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(tune, "run_loops", Loops(lambda _one, is_nominal: 0))
     assert run_tuning.run_tuning(options(tmp_path, json=False)) == 0
@@ -191,6 +224,8 @@ def test_the_command_prints_a_table(tmp_path, monkeypatch, capsys):
         ({"seed": -1}, "--seed -1"),
         ({"range": ["friction=1"]}, "must be NAME=SHARE with one of back_emf"),
         ({"range": ["damping=x"]}, "--range damping=x"),
+        ({"bandwidth": 0.0}, "--bandwidth, --phase-margin: Targets.bandwidth = 0.0 rad/s: must be"),
+        ({"phase_margin": math.nan}, "Targets.phase_margin = nan"),
         ({"range": ["damping=1"]}, "MechanismRanges.damping = 1.0: must be 0 to 0.9"),
     ],
 )

@@ -33,6 +33,18 @@ def _add_arguments(parser: ArgumentParser) -> None:
         "damping=0.2 (repeatable; default: those of the case harsh, 0.05, 0.02, 0.02, 0.2)",
     )
     parser.add_argument(
+        "--bandwidth",
+        type=float,
+        metavar="W",
+        help="first gain crossover that is asked for [rad/s] (default: the paper's 10)",
+    )
+    parser.add_argument(
+        "--phase-margin",
+        type=float,
+        metavar="DEG",
+        help="smallest phase margin that is asked for [deg] (default: the paper's 10)",
+    )
+    parser.add_argument(
         "--screening",
         type=int,
         metavar="N",

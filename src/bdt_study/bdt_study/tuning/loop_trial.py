@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bdt_controller.reference import ReferenceProfile
 from bdt_plant.gap_profile import GapProfile, gaps_at
-from bdt_plant.plant import PlantModel
+from bdt_plant.plant import PlantModel, Sampling
 from bdt_study.evaluation.case import Case
 from bdt_study.evaluation.cases import CASES, draw_scenario
 from bdt_study.evaluation.trial import judged_steps
@@ -84,7 +84,10 @@ class LoopOutcome:
 
 
 def run_loops(
-    models: Sequence[PlantModel], tried: Sequence[Tried], seeds: Sequence[int]
+    models: Sequence[PlantModel],
+    tried: Sequence[Tried],
+    seeds: Sequence[int],
+    control_rate: float,
 ) -> Iterator[list[LoopOutcome]]:
     """Iterate over what each controller makes of each random loop, on all cores.
 
@@ -96,16 +99,21 @@ def run_loops(
         Controllers and rules.
     seeds : sequence of int
         Numbers of the loops.
+    control_rate : float
+        Rate of measurements [Hz].
 
     Yields
     ------
     list of LoopOutcome
         For each of `tried`, loop by loop in the order of `seeds`.
     """
-    yield from WorkerPool(partial(run_loop, models, tried)).in_order(iter(seeds))
+    trial = partial(run_loop, models, tried, control_rate=control_rate)
+    yield from WorkerPool(trial).in_order(iter(seeds))
 
 
-def run_loop(models: Sequence[PlantModel], tried: Sequence[Tried], seed: int) -> list[LoopOutcome]:
+def run_loop(
+    models: Sequence[PlantModel], tried: Sequence[Tried], seed: int, control_rate: float
+) -> list[LoopOutcome]:
     """Return what each controller makes of a random loop.
 
     Parameters
@@ -116,8 +124,14 @@ def run_loop(models: Sequence[PlantModel], tried: Sequence[Tried], seed: int) ->
         Controllers and rules.
     seed : int
         Number of the loop.
+    control_rate : float
+        Rate of measurements [Hz].
     """
     scenario = draw_loop(CONDITIONS, models, seed)
+    # The samples between two measurements stay about as long.
+    samples = max(round(scenario.sampling.sampling_rate / control_rate), 1)
+    sampling = Sampling(sampling_rate=samples * control_rate, control_rate=control_rate)
+    scenario = replace(scenario, sampling=sampling)
     inputs = sample_inputs(scenario)
     gap = scenario.gap
     if not isinstance(gap, GapProfile):

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -17,7 +18,8 @@ from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.output_files import not_writable, prepare_output
 from bdt_msgs_py.parameter_files import PARAMETERS_KEY
 from bdt_msgs_py.parameter_tables import parameter_sets
-from bdt_msgs_py.topics import CONTROLLER_NODE, TWIN_NODE
+from bdt_msgs_py.topics import CONTROLLER_NODE, DRIVER_NODE, PLANT_NODE, TWIN_NODE
+from bdt_plant.plant import Sampling
 from bdt_study.calibration.calibrated_configuration import nested
 from bdt_study.calibration.start_values import Configuration, read_configuration, start_model
 from bdt_study.tuning.mechanism_ranges import MechanismRanges, read_ranges
@@ -49,7 +51,9 @@ def run_tuning(options: argparse.Namespace) -> int:
             raise BadInputError(f"--{name} {value}: must be {FEWEST} to {MOST}")
     if not 0 <= options.seed <= MOST:
         raise BadInputError(f"--seed {options.seed}: must be 0 to {MOST}")
+    targets = _targets(options.bandwidth, options.phase_margin)
     configuration = None if options.config is None else read_configuration(options.config)
+    control_rate = _control_rate(configuration)
     ranges = _ranges(options.calibration, options.range)
     if options.output is not None:
         prepare_output("--output", options.output)
@@ -62,7 +66,7 @@ def run_tuning(options: argparse.Namespace) -> int:
         def tell(what: str, done: int, total: int) -> None:
             progress.update(task, description=what, completed=done, total=total)
 
-        tuner = Tuner(nominal, ranges, _gains(configuration), Targets(), tell)
+        tuner = Tuner(nominal, ranges, _gains(configuration), targets, control_rate, tell)
         result = tuner.tune(options.screening, options.loops, options.seed)
     if options.output is not None:
         try:
@@ -81,6 +85,7 @@ def tuning_dictionary(result: Tuning) -> dict[str, Any]:
     return {
         "ranges": asdict(result.ranges),
         "targets": asdict(result.targets),
+        "control_rate": result.control_rate,
         "candidates": [
             {**one.to_dictionary(), "lacks": result.lacks(one)} for one in result.screened
         ],
@@ -107,7 +112,12 @@ def tuned_text(configuration: Configuration | None, result: Tuning) -> str:
     values.setdefault(CONTROLLER_NODE, {}).update(law)
     # A twin that simulates has to know what the controller has.
     values.setdefault(TWIN_NODE, {}).update(
-        {**law, "dead_zone.ratio": rule.ratio, "dead_zone.margin": rule.margin}
+        {
+            **law,
+            "decision.control_rate": result.control_rate,
+            "dead_zone.ratio": rule.ratio,
+            "dead_zone.margin": rule.margin,
+        }
     )
     document = {
         f"/**/{node}": {PARAMETERS_KEY: nested(given)} for node, given in values.items() if given
@@ -130,6 +140,29 @@ def _ranges(calibration: Path | None, by_hand: Sequence[str]) -> MechanismRanges
         except ValueError as error:
             raise BadInputError(f"--range {text}: {error}") from error
     return ranges
+
+
+def _targets(bandwidth: float | None, phase_margin: float | None) -> Targets:
+    """Return what is asked for; `bandwidth` in rad/s, `phase_margin` in degrees."""
+    asked = {} if bandwidth is None else {"bandwidth": bandwidth}
+    if phase_margin is not None:
+        asked["phase_margin"] = math.radians(phase_margin)
+    try:
+        return Targets(**asked)
+    except ValueError as error:
+        raise BadInputError(f"--bandwidth, --phase-margin: {error}") from error
+
+
+def _control_rate(configuration: Configuration | None) -> float:
+    """Return the rate of measurements [Hz]: the driver's, else that of the plant."""
+    values = configuration or {}
+    default = Sampling().control_rate
+    rates = [
+        values[node]["control_rate"]
+        for node in (DRIVER_NODE, PLANT_NODE)
+        if "control_rate" in values.get(node, {})
+    ]
+    return float(rates[0]) if rates else default
 
 
 def _gains(configuration: Configuration | None) -> PidGains:

@@ -13,10 +13,6 @@ from bdt_study.tuning.robust_design import ControllerDesign, RobustSearch
 from bdt_study.tuning.targets import Targets
 from bdt_twin.dead_zone_tolerance import DeadZoneSettings
 
-BANDWIDTH = 10.0
-"""First gain crossover that the paper asks for [rad/s]."""
-CONTROL_RATE = 500.0
-"""Rate of measurements of the loops that are tried [Hz]."""
 INTEGRAL_TIMES = (1.0, 2.0, 3.0, 5.0)
 """Integral times that are tried, as multiples of 1 / bandwidth."""
 RATIOS = (0.8, 0.6, 0.5, 0.4)
@@ -44,6 +40,8 @@ class Tuning:
         How far it may be off.
     targets : Targets
         What was asked for.
+    control_rate : float
+        Rate of measurements [Hz].
     baseline : Candidate
         The gains so far on the mechanism as it is believed to be: the measure of settling.
     screened : tuple of Candidate
@@ -55,6 +53,7 @@ class Tuning:
     nominal: PlantModel
     ranges: MechanismRanges
     targets: Targets
+    control_rate: float
     baseline: Candidate
     screened: tuple[Candidate, ...]
     before: Candidate
@@ -83,6 +82,8 @@ class Tuner:
         Gains so far.
     targets : Targets
         What is asked for.
+    control_rate : float
+        Rate of measurements [Hz].
     progress : callable
         Called with what is being done, how much is done and how much there is.
     """
@@ -93,12 +94,13 @@ class Tuner:
         ranges: MechanismRanges,
         gains: PidGains,
         targets: Targets,
+        control_rate: float,
         progress: Progress,
     ) -> None:
         self._models = corners(nominal, ranges)
         self._nominal, self._ranges, self._targets = nominal, ranges, targets
         self._today = Tried(ControllerDesign("as it is", gains), DeadZoneSettings(margin=MARGIN))
-        self._progress = progress
+        self._rate, self._progress = control_rate, progress
         self._judged: dict[ControllerDesign, LinearJudgment] = {}
 
     def tune(self, screening: int, loops: int, seed: int) -> Tuning:
@@ -114,7 +116,7 @@ class Tuner:
             Number of the first of these.
         """
         seeds = range(SCREENING + seed, SCREENING + seed + screening)
-        search = RobustSearch(self._models, BANDWIDTH, CONTROL_RATE)
+        search = RobustSearch(self._models, self._targets.bandwidth, self._rate)
         (baseline,) = self._try([self._today], seeds, self._models[:1], "as it is, nominal")
         tried = [self._today]
         for number, multiple in enumerate(INTEGRAL_TIMES):
@@ -145,6 +147,7 @@ class Tuner:
             self._nominal,
             self._ranges,
             self._targets,
+            self._rate,
             measure,
             tuple(screened),
             before,
@@ -156,7 +159,7 @@ class Tuner:
         return self._try([self._today, contender.tried], seeds, self._models, "confirmation")
 
     def _designed(self, search: RobustSearch, multiple: float, *, with_notch: bool) -> Tried:
-        time = multiple / BANDWIDTH
+        time = multiple / self._targets.bandwidth
         name = f"{'notch, ' if with_notch else ''}T_i = {time:g} s"
         design = search.design(name, time, with_notch=with_notch)
         return Tried(design, DeadZoneSettings(margin=MARGIN))
@@ -179,7 +182,7 @@ class Tuner:
         what: str,
     ) -> list[Candidate]:
         outcomes: list[list[LoopOutcome]] = []
-        for outcome in run_loops(models, tried, seeds):
+        for outcome in run_loops(models, tried, seeds, self._rate):
             outcomes.append(outcome)
             self._progress(what, len(outcomes), len(seeds))
         return [
@@ -189,5 +192,5 @@ class Tuner:
 
     def _linear(self, design: ControllerDesign) -> LinearJudgment:
         if design not in self._judged:
-            self._judged[design] = judge(design, self._models, CONTROL_RATE)
+            self._judged[design] = judge(design, self._models, self._rate)
         return self._judged[design]
