@@ -11,7 +11,7 @@ from bdt_controller.pid import PidGains
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel, Sampling, discretize_plant
 from bdt_plant.plant_simulator import PlantSimulator
-from bdt_twin.decision_loop import HOLD, Member, simulate_steps
+from bdt_twin.decision_loop import HOLD, Member, noise_draws, simulate_steps
 
 RATE = 500.0
 MODEL = PlantModel()
@@ -47,6 +47,23 @@ def test_a_late_reading_is_late_by_whole_samples(lag):
         voltage = controller.step(float(reference), read[-1 - lag])
         rows = plant.advance(voltage)
         read.extend(float(row[2]) for row in rows[1:])
+
+
+def test_readings_have_the_noise_of_the_sensor():
+    gap, noise = math.radians(5.0), 5e-6
+    member = Member(PLANT, gap, 0.0, 0, 0.0, noise)
+    positions, voltages = simulate_steps(member, LAW, 1e-5, 0.0, REFERENCES)
+    plant = PlantSimulator(MODEL, GapProfile("constant", gap), Sampling(HOLD * RATE, RATE))
+    controller = DeadZoneController(PidGains(), ControllerSettings(RATE, 1e-5))
+    draws = noise_draws(REFERENCES.size)
+    assert (draws.mean(), draws.std()) == pytest.approx((0.0, 1.0), abs=0.05)
+    for reference, draw, position, voltage in zip(
+        REFERENCES, draws, positions, voltages, strict=True
+    ):
+        assert plant.position == pytest.approx(position, abs=1e-9)
+        asked = controller.step(float(reference), plant.position + noise * float(draw))
+        assert asked == pytest.approx(voltage, abs=1e-3)
+        plant.advance(float(voltage))
 
 
 def test_an_offset_that_nobody_takes_back_makes_the_motor_creep():

@@ -84,12 +84,18 @@ def create_decider(
         if resumes:
             decision.resume(gains_in_force())
             resumes = False
-        return decision.decide(estimate, _knowledge(estimator), float(rows[-1, 0]), delay)
+        machine, noise = _knowledge(estimator)
+        return decision.decide(estimate, machine, float(rows[-1, 0]), delay, noise)
 
     return decide
 
 
-def _knowledge(estimator: Estimator) -> MachineKnowledge | None:
-    """Return what an estimator knows of the machine, if it is one that does."""
+def _knowledge(estimator: Estimator) -> tuple[MachineKnowledge | None, float]:
+    """Return what an estimator knows of the machine and of the noise of a reading [m].
+
+    None and zero from an estimator that knows nothing of them.
+    """
     last_fit = getattr(estimator, "last_fit", None)
-    return last_fit.fit.machine if isinstance(last_fit, AcceptedFit) else None
+    if not isinstance(last_fit, AcceptedFit):
+        return None, 0.0
+    return last_fit.fit.machine, last_fit.reading_noise

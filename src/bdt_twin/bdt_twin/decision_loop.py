@@ -50,6 +50,8 @@ class Member(NamedTuple):
         Age of a reading in samples.
     place : float
         Where the motor rests in the gap at first, -1 to 1.
+    noise : float
+        Standard deviation of the noise of a reading [m].
     """
 
     plant: DiscretePlant
@@ -57,6 +59,13 @@ class Member(NamedTuple):
     disturbance: float
     lag: int
     place: float
+    noise: float = 0.0
+
+
+@cache
+def noise_draws(count: int) -> FloatArray:
+    """Return the noise of readings in standard deviations, the same each time, shape (count,)."""
+    return np.random.default_rng(20_261_122).standard_normal(count)
 
 
 def simulate_steps(
@@ -89,11 +98,13 @@ def simulate_steps(
     state = AT_REST._replace(motor=motor, contact=contact_side(0.0, angle, member.gap))
     positions, voltages = np.empty(references.size), np.empty(references.size)
     line = np.zeros(member.lag + 1)
+    # What the controller wants of the readings, so that noise is no business of the loop.
+    wanted = references - member.noise * noise_draws(references.size)
     compiled_steps()(
         state,
         member.plant,
         law,
-        references,
+        wanted,
         tolerance,
         member.gap,
         limit,

@@ -41,7 +41,12 @@ class MechanismEnsemble:
         self._places = np.linspace(-1.0, 1.0, members)
 
     def draw(
-        self, estimate: Estimate, machine: MachineKnowledge | None, soonest: float, latest: float
+        self,
+        estimate: Estimate,
+        machine: MachineKnowledge | None,
+        soonest: float,
+        latest: float,
+        noise: float = 0.0,
     ) -> list[Member]:
         """Return the mechanisms.
 
@@ -54,6 +59,8 @@ class MechanismEnsemble:
         soonest, latest : float
             Times between which the decision is in force [s]: half of the mechanisms have the gap of
             the one, half that of the other.
+        noise : float
+            Standard deviation of the noise of a reading [m].
         """
         members = []
         for number, draw in enumerate(self._draws):
@@ -67,6 +74,7 @@ class MechanismEnsemble:
                     disturbance,
                     max(round(delay / self._period), 0),
                     float(self._places[number]),
+                    noise,
                 )
             )
         return members

@@ -34,6 +34,11 @@ class AcceptedFit:
     fit: Fit
     estimate: Estimate
 
+    @property
+    def reading_noise(self) -> float:
+        """Standard deviation of the noise of a single reading [m], were it white."""
+        return self.fit.levels.reading * math.sqrt(self.window.block)
+
 
 def next_fit(
     window: WindowModel, last: Predecessor | None, machine: MachineMemory, growth_change: float

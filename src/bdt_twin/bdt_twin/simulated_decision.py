@@ -24,8 +24,7 @@ FloatArray = NDArray[np.float64]
 NARROWER = (1.0, 0.8, 0.7, 0.6)
 """Dead zones that are tried as long as they do, over that of eq. 9.
 
-None below 0.6: of random loops some fail there, because of noise and of what nobody knows of a
-mechanism, and neither is simulated.
+None below 0.6: what it spares in bias is not worth what nobody knows of a mechanism.
 """
 WIDER = (1.25, 1.6, 2.0)
 """Those that are tried if eq. 9 itself fails."""
@@ -110,7 +109,12 @@ class SimulatedDecision:
             self._why = worse
 
     def decide(
-        self, estimate: Estimate, machine: MachineKnowledge | None, now: float, delay: float
+        self,
+        estimate: Estimate,
+        machine: MachineKnowledge | None,
+        now: float,
+        delay: float,
+        noise: float = 0.0,
     ) -> Decision:
         """Return dead zone and gains for an estimate.
 
@@ -124,6 +128,8 @@ class SimulatedDecision:
             Time of the decision [s].
         delay : float
             Time that it takes to the controller [s].
+        noise : float
+            Standard deviation of the noise of a reading [m].
         """
         between = 0.0 if self._before is None else max(now - self._before, 0.0)
         self._before = now
@@ -139,7 +145,7 @@ class SimulatedDecision:
             return self._decision(width, None, reason)._replace(distrust=self._why)
         if self._simulated is not None and now - self._simulated[0] < self._settings.period:
             return self._decision(width, *self._simulated[1:])
-        members = self._ensemble.draw(estimate, machine, soonest, latest)
+        members = self._ensemble.draw(estimate, machine, soonest, latest, noise)
         self._trials = self._next_steps()
         chosen = self._narrowest(members, self._gains, width)
         other = self._better(members, chosen, width)

@@ -21,7 +21,9 @@ from bdt_study.evaluation.trial import (
 )
 from bdt_study.simulation.closed_loop import Trajectory, simulate
 from bdt_study.simulation.twin_loop import TwinTrajectory
+from bdt_twin.decision import Decision
 from bdt_twin.estimator import Estimate
+from bdt_twin.simulated_decision import SimulatedDecision
 
 BY_NAME = {case.name: case for case in CASES}
 
@@ -40,6 +42,22 @@ def test_the_estimator_for_measured_signals_copes_where_the_paper_s_fails(short)
     paper = run_trial(BY_NAME["laboratory"], "inverse_filter", 1)
     assert np.rad2deg(np.abs(paper.errors).max()) > 10.0
     assert np.isnan(paper.uncertainties).all()
+
+
+def test_decisions_are_made_with_what_the_estimator_knows(monkeypatch):
+    monkeypatch.setattr(cases, "DURATION", 14.0)
+    known = []
+
+    def deciding(_self, _estimate, machine, _now, _delay, noise):
+        known.append((machine, noise))
+        return Decision(None, None, "")
+
+    monkeypatch.setattr(SimulatedDecision, "decide", deciding)
+    harsh = BY_NAME["harsh"]
+    run_trial(harsh, "output_error", 1, "simulate")
+    machine, noise = known[-1]
+    assert machine.covariance.any()
+    assert noise == pytest.approx(harsh.reading_error, rel=0.2)
 
 
 def test_the_paper_s_estimator_is_right_on_clean_signals(short):

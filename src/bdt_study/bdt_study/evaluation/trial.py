@@ -97,6 +97,12 @@ class InstrumentedEstimator:
         self.times: list[float] = []
         self.bounds: list[tuple[Estimate, float]] = []
 
+    @property
+    def last_fit(self) -> AcceptedFit | None:
+        """What the estimator knows of the mechanism; None from one that does not look at it."""
+        last_fit = getattr(self._estimator, "last_fit", None)
+        return last_fit if isinstance(last_fit, AcceptedFit) else None
+
     def restart(self) -> None:
         """Forget everything; see :class:`bdt_twin.estimator.Estimator`."""
         self._estimator.restart()
@@ -112,8 +118,8 @@ class InstrumentedEstimator:
         return estimate
 
     def _note_bound(self, estimate: Estimate) -> None:
-        last_fit = getattr(self._estimator, "last_fit", None)
-        if isinstance(last_fit, AcceptedFit):
+        last_fit = self.last_fit
+        if last_fit is not None:
             unknowns = last_fit.fit.unknowns
             bound = cramer_rao_bound(last_fit.window, unknowns, estimate.time, self._noise)
             if math.isfinite(bound):
