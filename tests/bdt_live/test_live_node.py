@@ -111,7 +111,7 @@ def test_what_somebody_else_has_set_is_told(stand):
     assert stand.hear("values", node="controller")["values"] == {"pid.integral": 1000.0}
 
 
-def test_samples_become_frames_and_a_bag_of_what_was_said(stand, tmp_path):
+def test_samples_and_marks_become_frames_and_a_bag_of_what_was_said(stand, tmp_path):
     machine = stand.ros.create(Node, "machine")
     telemetry, truth = (
         machine.create_publisher(Float64MultiArray, topic.name, publisher_profile(topic))
@@ -128,13 +128,22 @@ def test_samples_become_frames_and_a_bag_of_what_was_said(stand, tmp_path):
     shown = dict(zip(COLUMNS, first, strict=True))
     assert (shown["voltage_first"], shown["position"], shown["gap"]) == (1.0, 2e-3, 0.3)
     assert shown["dead_zone"] in {2e-5, None}
-    assert stand.ask(1, "save") is None
+    assert stand.ask(1, "mark") is None
+    assert stand.hear("marks", times=[times[-1]])
+    assert stand.ask(2, "save") is None
     saved = stand.hear("saved")
     assert saved["reason"] is None
     recording = load_recording(tmp_path / saved["bag"])
     np.testing.assert_array_equal(recording.telemetry, rows)
-    assert stand.ask(2, "mark") is None
-    assert stand.hear("mark")["time"] == times[-1]
+    assert recording.marks == (times[-1],)
+    stand.channel.send(page_has_come())
+    assert stand.hear("marks", times=[times[-1]])
+    telemetry.publish(sample_message(rows, TELEMETRY_COLUMNS))
+    assert stand.hear("marks", times=[])
+
+
+def test_there_is_nothing_to_mark_before_the_loop_is_heard(stand):
+    assert stand.ask(1, "mark") == "nothing has been heard of the loop yet"
 
 
 def test_the_health_of_nodes_is_told(stand):

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from bdt_bags.reading.recording import load_recording
 from bdt_live.extremes import COLUMNS
 
 DEADLINE = 120.0
@@ -165,9 +166,10 @@ def test_the_last_minute_is_saved_as_a_bag_with_a_report(page, live_loop):
     (bag,) = live_loop.output.glob("bag-*")
     assert (bag / "metadata.yaml").is_file()
     wait_until_shown(page, "report of bag-")
+    assert len(load_recording(bag).marks) == 1
     link = page.evaluate("document.querySelector('#log a').href")
     body = page.evaluate(f"fetch({json.dumps(link)}).then((answer) => answer.text())")
-    assert "<html" in body
+    assert "Dotted lines are marks, at " in body
 
 
 def frames_go_on(page):

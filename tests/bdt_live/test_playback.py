@@ -4,6 +4,7 @@ import json
 import select
 import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -76,15 +77,15 @@ def test_paused_it_goes_on_by_steps_alone(run):
 
 def test_a_bag_is_told_to_the_page_which_may_pause_and_not_set(following_bag):
     own, other = (Channel(end) for end in channel_pair())
-    show = BagShow(other, load_recording(following_bag))
+    show = BagShow(other, replace(load_recording(following_bag), marks=(0.5, 1e3)))
     playing = threading.Thread(target=show.run, args=(StopSignals(),), daemon=True)
     playing.start()
     own.send(page_has_come())
     own.send(page_asks(1, '{"number": 1, "action": "pace", "amount": 10}'))
     own.send(page_asks(1, '{"number": 2, "action": "wear"}'))
-    heard = {"frame": [], "reply": [], "state": [], "parameters": []}
+    heard = {"frame": [], "reply": [], "state": [], "parameters": [], "marks": [{"times": []}]}
     end = time.monotonic() + DEADLINE
-    while not (heard["frame"] and heard["state"] and len(heard["reply"]) == 2):
+    while not (heard["frame"] and heard["state"] and heard["marks"][-1]["times"]):
         assert time.monotonic() < end
         select.select([own], [], [], 0.1)
         for text in own.receive():
@@ -96,3 +97,4 @@ def test_a_bag_is_told_to_the_page_which_may_pause_and_not_set(following_bag):
     other.close()
     assert [each["reason"] for each in heard["reply"]] == [None, "this is a bag: it is what it is"]
     assert len(heard["frame"][0]["rows"][0]) == len(COLUMNS)
+    assert heard["marks"][-1]["times"] == [0.5]

@@ -44,6 +44,8 @@ class BagShow:
     def __init__(self, channel: Channel, recording: Recording) -> None:
         self._channel, self._recording = channel, recording
         self._playback = Playback(recording)
+        self._marks = recording.marks
+        self._told_marks: list[float] = []
         self._state_due = 0.0
 
     def run(self, signals: StopSignals) -> None:
@@ -69,6 +71,16 @@ class BagShow:
             frame = {"type": "frame", "rows": rows[begin : begin + LARGEST_FRAME]}
             self._channel.send(frame, may_be_dropped=True)
         self._channel.flush()
+        if self._told_marks != self._played_marks:
+            self._tell_marks()
+
+    @property
+    def _played_marks(self) -> list[float]:
+        return [time for time in self._marks if time <= self._playback.time]
+
+    def _tell_marks(self) -> None:
+        self._told_marks = self._played_marks
+        self._channel.send({"type": "marks", "times": self._told_marks})
 
     def _send_state(self) -> None:
         playback = self._playback
@@ -90,6 +102,7 @@ class BagShow:
     def _take(self, page: int, request: PageRequest | None) -> None:
         if request is None:
             self._tell_pitch()
+            self._tell_marks()
             return
         reason = self._do(request)
         self._state_due = 0.0
@@ -109,7 +122,7 @@ class BagShow:
         elif request.action == "pace":
             playback.pace = request.amount
         elif request.action == "mark":
-            self._channel.send({"type": "mark", "time": playback.time})
+            self._marks = (*self._marks, playback.time)
         else:
             return WITHOUT_A_LOOP
         return None

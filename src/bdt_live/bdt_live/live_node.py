@@ -7,6 +7,7 @@ from typing import Any
 from rcl_interfaces.msg import Log
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from std_msgs.msg import Header
 
 from bdt_bringup.loop_health import LoopHealth
 from bdt_bringup.loop_state import SILENCE
@@ -19,7 +20,10 @@ from bdt_live.loop_listener import LoopListener
 from bdt_live.page_requests import NODES, PageRequest
 from bdt_live.remote_parameters import RemoteParameters
 from bdt_msgs_py.command_errors import printable
-from bdt_msgs_py.topics import CONTROLLER_NODE, DEAD_ZONE_PARAMETER
+from bdt_msgs_py.qos import publisher_profile
+from bdt_msgs_py.reading import nanoseconds_from_seconds
+from bdt_msgs_py.topics import CONTROLLER_NODE, DEAD_ZONE_PARAMETER, MARK
+from bdt_msgs_py.writing import mark
 
 FRAME_PERIOD = 0.02
 """Wall time [s] between two frames."""
@@ -61,8 +65,12 @@ class LiveNode(Node):
         self._parameters = {name: RemoteParameters(self, name, channel.send) for name in NODES}
         self._listener = LoopListener(self, list(self._parameters.values()))
         rows = self._listener.rows
-        self._control = LoopControl(self._parameters, lambda: self._listener.end, lambda: rows.gap)
+        self._control = LoopControl(
+            self._parameters, lambda: self._listener.end or 0.0, lambda: rows.gap
+        )
         self._saving = BagSaving(output)
+        self._marking = self.create_publisher(Header, MARK.name, publisher_profile(MARK))
+        self._told_marks: list[float] = []
         self.create_subscription(Log, "/rosout", self._take_log, 50)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(FRAME_PERIOD, self._send_frame, clock=steady)
@@ -82,7 +90,13 @@ class LiveNode(Node):
             self._channel.send({"type": "frame", "rows": rows}, may_be_dropped=True)
         else:
             self._channel.flush()
+        if self._told_marks != list(self._listener.marks):
+            self._tell_marks()
         self._listener.look()
+
+    def _tell_marks(self) -> None:
+        self._told_marks = list(self._listener.marks)
+        self._channel.send({"type": "marks", "times": self._told_marks})
 
     def _send_state(self) -> None:
         for parameters in self._parameters.values():
@@ -136,6 +150,7 @@ class LiveNode(Node):
             if request is None:
                 for parameters in self._parameters.values():
                     parameters.tell()
+                self._tell_marks()
             else:
                 self._do(page, request)
 
@@ -147,7 +162,13 @@ class LiveNode(Node):
         if request.action == "save":
             answer(self._saving.begin(self._listener.recent))
         elif request.action == "mark":
-            self._channel.send({"type": "mark", "time": self._listener.end})
-            answer(None)
+            answer(self._mark())
         else:
             self._control.do(request, answer)
+
+    def _mark(self) -> str | None:
+        """Mark the newest moment for all who listen, recorders as well; return why not, if so."""
+        if self._listener.end is None:
+            return "nothing has been heard of the loop yet"
+        self._marking.publish(mark(nanoseconds_from_seconds(self._listener.end), self.get_name()))
+        return None

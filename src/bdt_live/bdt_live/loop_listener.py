@@ -19,12 +19,13 @@ from bdt_msgs_py.message_checks import (
     check_stamp,
     check_telemetry_times,
 )
-from bdt_msgs_py.reading import read_position, read_samples
+from bdt_msgs_py.reading import NANOSECONDS_PER_SECOND, read_position, read_samples
 from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.topics import (
     BACKLASH_ESTIMATE,
     COMMAND,
     GAP_UNCERTAINTY_JOINT,
+    MARK,
     MEASUREMENT,
     PARAMETER_EVENTS,
     REFERENCE,
@@ -35,6 +36,10 @@ from bdt_msgs_py.topics import (
 
 TIMED = 4
 """Measurements and commands of a frame whose times are looked at; all of them would be work."""
+
+
+MOST_MARKS = 100
+"""Marks that are kept; of more, the oldest are forgotten."""
 
 
 class EventListener(Protocol):
@@ -64,14 +69,17 @@ class LoopListener:
         Rate and latency.
     recent : RecentMessages
         The last minute.
-    end : float
-        Time of the newest telemetry [s].
+    end : float or None
+        Time of the newest telemetry [s]; None before the first one.
+    marks : deque of float
+        What somebody has marked since time began [s].
     """
 
     def __init__(self, node: Node, events: list[EventListener]) -> None:
         self.messages = 0
         self.rows, self.timing, self.recent = RowMaker(), LoopTiming(), RecentMessages()
-        self.end = 0.0
+        self.end: float | None = None
+        self.marks: deque[float] = deque(maxlen=MOST_MARKS)
         self._events = events
         self._measurements = self._measured = 0
         self._timed: dict[str, deque[tuple[int, bytes]]] = {
@@ -83,6 +91,7 @@ class LoopListener:
             REFERENCE: self._take_reference,
             BACKLASH_ESTIMATE: self._take_estimate,
             PARAMETER_EVENTS: self._take_event,
+            MARK: self._take_mark,
         }
         chosen, _ = project_topics(node, "")
         self._types = {each.topic: each.message_type for each in chosen}
@@ -128,6 +137,8 @@ class LoopListener:
     def _take_telemetry(self, message: Any) -> None:
         rows = check_telemetry_times(message)
         self.rows.take_telemetry(rows)
+        if self.end is not None and rows[0, 0] < self.end:
+            self.marks.clear()  # time begins anew
         self.end = float(rows[-1, 0])
 
     def _take_truth(self, message: Any) -> None:
@@ -143,6 +154,9 @@ class LoopListener:
         self.rows.held["uncertainty"] = None
         if GAP_UNCERTAINTY_JOINT in message.name:
             _, self.rows.held["uncertainty"] = read_position(message, GAP_UNCERTAINTY_JOINT)
+
+    def _take_mark(self, message: Any) -> None:
+        self.marks.append(check_stamp(message.stamp) / NANOSECONDS_PER_SECOND)
 
     def _take_event(self, message: Any) -> None:
         for listener in self._events:

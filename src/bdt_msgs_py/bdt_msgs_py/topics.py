@@ -102,6 +102,12 @@ PROGRESS = Topic(
 )
 PROGRESS_PERIOD = 0.1
 """Wall time [s] after which progress is told again: a lost message delays lockstep by it."""
+MARK = Topic(
+    "mark",
+    "std_msgs/msg/Header",
+    "a moment that somebody wants to find again: stamp = which one, on the clock of telemetry; "
+    "frame_id = who has marked it",
+)
 CLOCK = Topic("/clock", "rosgraph_msgs/msg/Clock", "simulated time", reliable=False, depth=1)
 DIAGNOSTICS = Topic(
     "/diagnostics",
@@ -123,6 +129,7 @@ ALL_TOPICS = (
     TRUTH,
     BACKLASH_ESTIMATE,
     PROGRESS,
+    MARK,
     CLOCK,
     DIAGNOSTICS,
     PARAMETER_EVENTS,

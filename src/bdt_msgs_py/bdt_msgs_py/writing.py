@@ -123,6 +123,19 @@ def progress(node: str, telemetry_end: int, earliest_action: int | None) -> Time
     )
 
 
+def mark(stamp: int, source: str) -> Header:
+    """Return a mark.
+
+    Parameters
+    ----------
+    stamp : int
+        The moment that is marked [ns].
+    source : str
+        Who marks it.
+    """
+    return Header(stamp=stamp_from_nanoseconds(stamp), frame_id=source)
+
+
 def sample_message(rows: NDArray[np.float64], columns: Sequence[str]) -> Float64MultiArray:
     """Return telemetry or truth with one row a sample.
 

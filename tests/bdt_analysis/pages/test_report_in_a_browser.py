@@ -1,6 +1,10 @@
 """The pages as people use them: opened from disk in a browser that has no network."""
 
 import pytest
+from recorded_loops import Messages, ros, stamp
+
+from bdt_analysis.analyze import analyze
+from bdt_msgs_py.topics import MARK
 
 PANELS = 4
 SHOWN = (
@@ -91,6 +95,15 @@ def test_a_click_on_a_step_shows_it_in_both_figures(browser, report):
     browser.evaluate("document.getElementById('whole').click()")
     browser.wait_for(f"{SHOWN}[0] === 0")
     assert browser.evaluate(SHOWN)[1] == pytest.approx(20, abs=1e-3)
+
+
+def test_marks_are_lines_in_every_panel(browser, small_loop, tmp_path):
+    marked = Messages(list(small_loop.items), small_loop.namespace)
+    marked.add(MARK, 1.5, ros("std_msgs/msg/Header", stamp=stamp(1.5), frame_id="live"))
+    analyze(marked.write(tmp_path / "bag"), tmp_path)
+    browser.open(tmp_path / "report.html")
+    lines = "document.querySelectorAll('#time-plot .shapelayer path[style*=\"dasharray\"]').length"
+    assert browser.evaluate(lines) == PANELS
 
 
 def test_a_view_keeps_the_extremes(browser, report):

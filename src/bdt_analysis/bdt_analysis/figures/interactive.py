@@ -23,6 +23,8 @@ class PlottedRun:
         Its steps.
     results : tuple of StepSummary
         What was found in each.
+    marks : tuple of float
+        Moments that somebody has marked [s].
     """
 
     name: str
@@ -30,6 +32,7 @@ class PlottedRun:
     end: float
     steps: list[ReferenceStep]
     results: tuple[StepSummary, ...]
+    marks: tuple[float, ...] = ()
 
 
 def interactive_part(
@@ -89,6 +92,7 @@ def _run_description(run: PlottedRun) -> dict[str, Any]:
         "name": run.name,
         "begin": run.begin,
         "end": run.end,
+        "marks": run.marks,
         "steps": [
             {
                 "begin": max(step.t_start, run.begin),

@@ -154,7 +154,8 @@ def render_report(
     """
     name = run_names([recording.path])[0]
     telemetry = recording.telemetry
-    run = PlottedRun(name, telemetry[0, 0], telemetry[-1, 0], steps, summary.steps)
+    begin, end = telemetry[[0, -1], 0]
+    run = PlottedRun(name, begin, end, steps, summary.steps, recording.marks)
     return render_page(
         "report.html",
         name=name,
@@ -175,6 +176,7 @@ def render_report(
         timing=timing_tables([(name, summary)]),
         log=reconfiguration_table(recording),
         re_estimation=re_estimation_table(re_estimation.summary) if re_estimation else None,
+        marks=[f"{time:.2f}" for time in recording.marks],
         missing=summary.missing,
         windows=sorted({f"{step.window:.3g}" for step in steps}),
     )

@@ -108,7 +108,7 @@ class TimePlot {
       hovermode: "x unified",
       hoversubplots: "axis",
       dragmode: matchMedia("(pointer: coarse)").matches ? "pan" : "zoom",
-      shapes: this.shading(),
+      shapes: [...this.shading(), ...this.marks()],
       xaxis: {
         ...axisLooks(),
         title: { text: label },
@@ -141,6 +141,15 @@ class TimePlot {
       type: "rect", xref: "x", yref: `y${this.axis(panel.key)} domain`,
       x0: step.begin, x1: step.end, y0: 0, y1: 1,
       layer: "below", line: { width: 0 }, fillcolor: css("alarm"), opacity: 0.7,
+    })));
+  }
+
+  // What somebody has marked; of several runs none.
+  marks() {
+    if (this.description.runs.length > 1) return [];
+    return this.description.panels.flatMap((panel) => this.description.runs[0].marks.map((time) => ({
+      type: "line", xref: "x", yref: `y${this.axis(panel.key)} domain`,
+      x0: time, x1: time, y0: 0, y1: 1, line: { width: 2, dash: "dot", color: css("ink") },
     })));
   }
 

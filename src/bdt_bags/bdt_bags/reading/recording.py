@@ -16,6 +16,7 @@ from bdt_bags.reading.joint_positions import (
     joint_positions,
     voltage_offset_requests,
 )
+from bdt_bags.reading.marks import recorded_marks
 from bdt_bags.reading.parameter_log import (
     diagnosed_dead_zones,
     parameter_changes,
@@ -101,6 +102,8 @@ class Recording(RunSignals):
         Parameters of the twin by name, as far as the bag tells them.
     decisions : tuple of TwinDecision
         What the twin has decided by simulation, in the order of time.
+    marks : tuple of float
+        Moments that somebody has marked [s], in the order of time.
     """
 
     path: Path
@@ -115,6 +118,7 @@ class Recording(RunSignals):
     missing: tuple[str, ...] = ()
     twin_parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
     decisions: tuple[TwinDecision, ...] = ()
+    marks: tuple[float, ...] = ()
 
     @property
     def missing_samples(self) -> int:
@@ -200,6 +204,7 @@ def load_recording(
         pitch=recorded_pitch(events, namespace),
         twin_parameters=recorded_parameters(events, f"{namespace}/{TWIN_NODE}"),
         decisions=recorded_decisions(bag, namespace, clock.times),
+        marks=recorded_marks(bag, clock.times),
         measurements=measurements,
         commands=commands,
         batches=sent,

@@ -11,6 +11,7 @@ from bdt_msgs_py.topics import (
     DIAGNOSTICS,
     GAP_JOINT,
     JOINT_STATE,
+    MARK,
     MEASUREMENT,
     MOTOR_JOINT,
     PARAMETER_EVENTS,
@@ -35,6 +36,7 @@ TOPICS = {
         TRUTH,
         PARAMETER_EVENTS,
         DIAGNOSTICS,
+        MARK,
     )
 }
 """What the analysis reads, by the last component of its name."""

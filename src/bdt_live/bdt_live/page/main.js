@@ -51,9 +51,11 @@ const takers = {
     find("latency").textContent = message.latency === null ? "–" : `${(1e3 * message.latency).toFixed(2)} ms`;
   },
   log: ({ line }) => nodes.addLine(`${line.node}: ${line.text}`, line.level),
-  mark: ({ time }) => {
-    plots.marks.push(time);
-    nodes.addLine(`marked at ${time.toFixed(2)} s`);
+  marks: ({ times }) => {
+    for (const time of times) {
+      if (!plots.marks.includes(time)) nodes.addLine(`marked at ${time.toFixed(2)} s`);
+    }
+    plots.marks = times;
   },
   saved: ({ bag, reason }) => nodes.addLine(reason ? `${bag}: ${reason}` : `saved ${bag}`, reason ? 40 : 20),
   report: ({ bag, reason }) => {
