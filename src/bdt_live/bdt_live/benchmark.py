@@ -2,222 +2,185 @@
 
 import asyncio
 import os
-import re
-import signal
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from asyncio.subprocess import DEVNULL, Process
+from contextlib import AsyncExitStack
+from itertools import pairwise
 from pathlib import Path
 from statistics import median, quantiles
 from typing import Any
 
-import aiohttp
-
-from bdt_live.extremes import COLUMNS
+from bdt_live.measuring.process_load import growth, memory_of, processor_time_of, tree_of
+from bdt_live.measuring.running_programs import browsers, line_of, python, server
+from bdt_live.measuring.socket_page import socket_pages
 
 PAGES = 3
 DRAGS = 60
-WATCH = 60.0
-"""Wall time [s] for which three pages look on."""
-
-REFERENCE_WATCH = 20.0
-"""Wall time [s] for which nobody looks on, before and after."""
+PERIOD = 1.0
+"""Wall time [s] between two looks at the memory."""
 
 SUSPENDED = 60.0
-"""Wall time [s] for which a page is suspended."""
+"""Longest wall time [s] for which a page is suspended."""
 
-GAP = COLUMNS.index("gap")
+ROUNDS = 4
+"""How often the page comes and goes beside a loop in real time."""
+
+SETTLED = 1.0
+"""Wall time [s] that is left out after the page has come or gone."""
+
+LONGEST_ROUND = 60.0
+
+ROS_PROCESS = b"bdt_live.ros_process"
 
 
-class Page:
-    """A page as the server sees one: a socket that takes what comes.
+def live(duration: float) -> list[dict[str, Any]]:
+    """Run loops with their page, and measure.
 
     Parameters
     ----------
-    socket : aiohttp.ClientWebSocketResponse
-        To the server.
-    """
-
-    def __init__(self, socket: aiohttp.ClientWebSocketResponse) -> None:
-        self._socket = socket
-        self._number = 0
-        self.latencies: list[float] = []
-        self.frames = 0
-
-    async def next(self) -> dict[str, Any]:
-        """Return the next message."""
-        message: dict[str, Any] = await self._socket.receive_json(timeout=30.0)
-        self.frames += message["type"] == "frame"
-        if message["type"] == "state" and message["latency"] is not None:
-            self.latencies.append(message["latency"])
-        return message
-
-    async def look_on(self, duration: float) -> None:
-        """Take what comes for a time [s]."""
-        end = time.monotonic() + duration
-        while time.monotonic() < end:
-            await self.next()
-
-    async def ready(self) -> None:
-        """Wait until the plant can be asked."""
-        while True:
-            message = await self.next()
-            if (
-                message["type"] == "parameters"
-                and message["node"] == "plant"
-                and message["controls"]
-            ):
-                return
-
-    async def drag(self, gap: float) -> float:
-        """Set the gap [rad] and return the time until a row shows it [s]."""
-        self._number += 1
-        values = {"gap.kind": "constant", "gap.initial": gap}
-        request = {"number": self._number, "action": "set", "node": "plant", "values": values}
-        begin = time.monotonic()
-        await self._socket.send_json(request)
-        while True:
-            message = await self.next()
-            rows = message["rows"] if message["type"] == "frame" else []
-            if any(row[GAP] is not None and abs(row[GAP] - gap) < 1e-9 for row in rows):
-                return time.monotonic() - begin
-
-
-def live() -> list[dict[str, Any]]:
-    """Run a loop with its page, and measure.
+    duration : float
+        Wall time for which three browsers look on [s].
 
     Returns
     -------
     list of dict
         Fields of a :class:`bdt_study.benchmarks.result.BenchmarkResult` each.
     """
-    return asyncio.run(_measure())
+    return asyncio.run(_measure(duration))
 
 
-async def _measure() -> list[dict[str, Any]]:
+async def _measure(duration: float) -> list[dict[str, Any]]:
     with tempfile.TemporaryDirectory() as folder:
-        async with _program(Path(folder) / "live") as (address, server):
-            async with _pages(address, 1) as (first,):
-                await asyncio.wait_for(first.ready(), 60.0)
-                drags = [await first.drag(round(0.01 + 0.002 * n, 6)) for n in range(DRAGS)]
-            alone = await _latencies(address, REFERENCE_WATCH)
-            memory, begun, begin = _memory(server), _processor_time(server), time.monotonic()
-            async with _pages(address, PAGES) as pages:
-                await asyncio.gather(*(page.look_on(WATCH) for page in pages))
-                elapsed = time.monotonic() - begin
-                share = (_processor_time(server) - begun) / elapsed
-                grown = _memory(server) - memory
-                watched = median(pages[0].latencies)
-                frames = min(page.frames for page in pages) / elapsed
-            alone += await _latencies(address, REFERENCE_WATCH)
-            late = await _time_to_catch_up(address)
-    change = watched / median(alone) - 1.0
+        return [
+            *await _beside_its_own_loop(Path(folder) / "live", duration),
+            *await _beside_a_loop_in_real_time(Path(folder), duration),
+        ]
+
+
+async def _beside_its_own_loop(folder: Path, duration: float) -> list[dict[str, Any]]:
+    async with server(folder) as (address, process):
+        async with socket_pages(address, 1) as (page,):
+            await asyncio.wait_for(page.ready(), 60.0)
+            drags = [await page.drag(round(0.01 + 0.002 * n, 6)) for n in range(DRAGS)]
+        watched = await _watch(address, process, duration)
+        late = await _time_to_catch_up(address, min(duration, SUSPENDED))
     return [
         _result("slider_to_row_p95", 1e3 * quantiles(drags, n=20)[-1], "ms", "at most", 110.0),
-        _result("frames_each_page", frames, "1/s", "at least", 30.0),
-        _result("server_with_3_pages", 100.0 * share, "% of a core", "at most", 15.0),
-        _result("server_memory_growth", grown / 2**20, "MiB", f"in {WATCH:g} s", None),
-        _result("latency_change", 100.0 * change, "%", "three pages beside one; below", 5.0),
+        *watched,
         _result("suspended_page_is_back", 1e3 * late, "ms", "at most", 1000.0),
     ]
 
 
-def _result(
-    name: str, value: float, unit: str, reference: str, limit: float | None
-) -> dict[str, Any]:
-    ratio = None if limit is None else value / limit
-    return {
-        "name": f"live: {name}",
-        "value": value,
-        "unit": unit,
-        "reference": reference,
-        "reference_value": limit,
-        "ratio": ratio,
-    }
+async def _watch(address: str, process: int, duration: float) -> list[dict[str, Any]]:
+    """Let three browsers look on, and a page that counts what comes."""
+    async with browsers(address, PAGES) as opened, socket_pages(address, 1) as (page,):
+        memory: dict[str, list[int]] = {}
+        begun, begin = processor_time_of(process), time.monotonic()
+        while (elapsed := time.monotonic() - begin) < duration:
+            looked_at = {"server": [process], "ROS process": _ros_processes(process)}
+            looked_at |= {f"browser {n}": tree_of(pid) for n, pid in enumerate(opened, 1)}
+            for name, processes in looked_at.items():
+                memory.setdefault(name, []).append(memory_of(processes))
+            await page.look_on(PERIOD)
+        share = (processor_time_of(process) - begun) / elapsed
+    what = f"with {len(opened)} browsers, {duration:g} s"
+    return [
+        _result("frames_of_a_page", page.frames / elapsed, "1/s", f"{what}; at least", 30.0),
+        _result("server", 100.0 * share, "% of a core", f"{what}; at most", 15.0),
+        *(
+            _result(
+                f"memory of {name}",
+                100.0 * growth(samples),
+                "%",
+                f"growth from {median(samples) / 2**20:.0f} MiB, 2nd to last quarter; at most",
+                5.0,
+            )
+            for name, samples in memory.items()
+        ),
+    ]
 
 
-@asynccontextmanager
-async def _program(output: Path) -> AsyncIterator[tuple[str, int]]:
-    """Run `bdt live` in a namespace of its own; give address and process."""
-    port = 20_000 + os.getpid() % 20_000
-    place = ["--namespace", f"benchmark_{os.getpid()}", "--output", str(output)]
-    command = ["-m", "bdt_bringup.program", "live", "--port", str(port), *place]
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        *command,
-        env={"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", **os.environ},
-        stdout=subprocess.PIPE,
-    )
-    try:
-        if process.stdout is None:
-            raise RuntimeError("bdt live has no standard output")
-        line = await asyncio.wait_for(process.stdout.readline(), 60.0)
-        yield line.decode().strip(), process.pid
-    finally:
-        process.send_signal(signal.SIGINT)
-        await process.wait()
+def _ros_processes(server: int) -> list[int]:
+    return [
+        each
+        for each in tree_of(server)
+        if ROS_PROCESS in Path(f"/proc/{each}/cmdline").read_bytes().split(b"\0")
+    ]
 
 
-@asynccontextmanager
-async def _pages(address: str, count: int) -> AsyncIterator[list[Page]]:
-    base = address.split("/?", maxsplit=1)[0]
-    jar = aiohttp.CookieJar(unsafe=True)
-    async with aiohttp.ClientSession(cookie_jar=jar) as session:
-        async with session.get(address):
-            pass
-        sockets = [
-            await session.ws_connect(f"{base}/socket", headers={"Origin": base}, max_msg_size=0)
-            for _ in range(count)
-        ]
-        yield [Page(socket) for socket in sockets]
-        for socket in sockets:
-            await socket.close()
-
-
-async def _latencies(address: str, duration: float) -> list[float]:
-    """Return the loop's latencies [s] in a time in which one page looks on."""
-    async with _pages(address, 1) as (page,):
-        await page.look_on(duration)
-        return page.latencies
-
-
-async def _time_to_catch_up(address: str) -> float:
+async def _time_to_catch_up(address: str, duration: float) -> float:
     """Suspend a page, and return how long after it goes on it shows what is [s]."""
-    async with _pages(address, 2) as (suspended, other):
+    async with socket_pages(address, 2) as (suspended, other):
         await suspended.next()
-        await other.look_on(SUSPENDED)
+        await other.look_on(duration)
         now = 0.0
         while now == 0.0:
             message = await other.next()
             now = message["rows"][-1][0] if message["type"] == "frame" else 0.0
         begin = time.monotonic()
         try:
-            await _see(suspended, now)
+            await suspended.see(now)
         except TypeError:  # closed, for it has taken nothing for long: a page then opens another
-            async with _pages(address, 1) as (again,):
-                await _see(again, now)
+            async with socket_pages(address, 1) as (again,):
+                await again.see(now)
         return time.monotonic() - begin
 
 
-async def _see(page: Page, now: float) -> None:
-    """Take what comes until a row of a time [s] is there."""
-    while True:
-        message = await page.next()
-        frames = [message] if message["type"] == "frame" else message.get("frames", [])
-        if frames and frames[-1]["rows"][-1][0] >= now:
-            return
+# Beside a loop that does not wait --------------------------------------------------------------
 
 
-def _processor_time(process: int) -> float:
-    """Return user and system time of a process [s]."""
-    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+async def _beside_a_loop_in_real_time(folder: Path, duration: float) -> list[dict[str, Any]]:
+    """Let the page come and go beside a loop, and compare each time with before and after."""
+    length = min(max(duration / ROUNDS, SETTLED + 2.0), LONGEST_ROUND)
+    place = ["--namespace", f"benchmark_{os.getpid()}"]
+    run = ["run", "--mode", "realtime", "--no-bag", "--duration", "1e6", *place]
+    run += ["--output", str(folder / "run")]
+    ros = ["--ros-args", "-r", f"__ns:=/benchmark_{os.getpid()}"]
+    async with AsyncExitStack() as stack:
+        await stack.enter_async_context(python("-m", "bdt_bringup.program", *run, stdout=DEVNULL))
+        observer = await stack.enter_async_context(
+            python("-m", "bdt_live.measuring.loop_observer", *ros)
+        )
+        await line_of(observer)
+        alone, with_page = [await _latency(observer, length)], []
+        for number in range(ROUNDS):
+            output = folder / f"attached-{number}"
+            async with (
+                server(output, "--attach", *place) as (address, _),
+                socket_pages(address, PAGES) as pages,
+            ):
+                await asyncio.gather(*(page.see(0.0) for page in pages))
+                looking = [asyncio.create_task(page.look_on(length)) for page in pages]
+                with_page.append(await _latency(observer, length))
+                await asyncio.gather(*looking)
+            alone.append(await _latency(observer, length))
+    around = list(pairwise(alone))
+    beside = zip(with_page, around, strict=True)
+    change = median(2.0 * there / (before + after) - 1.0 for there, (before, after) in beside)
+    noise = median(abs(after / before - 1.0) for before, after in around)
+    what = f"median of {ROUNDS}, {1e6 * median(alone):.0f} µs without; two without differ by"
+    return [
+        _result("latency_change", 100.0 * change, "%", f"{what} {100.0 * noise:.1f} %; below", 5.0)
+    ]
 
 
-def _memory(process: int) -> int:
-    """Return the memory that a process has resident [byte]."""
-    found = re.search(r"VmRSS:\s+(\d+) kB", Path(f"/proc/{process}/status").read_text())
-    return int(found[1]) * 1024 if found else 0
+async def _latency(observer: Process, duration: float) -> float:
+    """Return the median of what the observer tells in a time, once the loop has settled [s]."""
+    begin, told = time.monotonic(), []
+    while (elapsed := time.monotonic() - begin) < duration:
+        line = await line_of(observer)
+        if elapsed > SETTLED:
+            told.append(float(line))
+    return median(told)
+
+
+def _result(name: str, value: float, unit: str, reference: str, limit: float) -> dict[str, Any]:
+    return {
+        "name": f"live: {name}",
+        "value": value,
+        "unit": unit,
+        "reference": reference,
+        "reference_value": limit,
+        "ratio": value / limit,
+    }

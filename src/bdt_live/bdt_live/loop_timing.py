@@ -5,15 +5,21 @@ from statistics import median
 
 SECOND = 1_000_000_000
 WINDOW = 100
-"""Latencies of which the median is taken."""
+"""Latencies of which the median is taken, and measurements whose commands are awaited."""
 
 
 class LoopTiming:
-    """Counts measurements, and matches commands with what they answer."""
+    """Counts measurements, and matches commands with what they answer.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    window : int
+        Latencies of which the median is taken.
+    """
+
+    def __init__(self, window: int = WINDOW) -> None:
         self._asked: dict[int, int] = {}
-        self._latencies: deque[int] = deque(maxlen=WINDOW)
+        self._latencies: deque[int] = deque(maxlen=window)
         self._count, self._begin, self._newest = 0, 0, 0
         self._rate: float | None = None
 

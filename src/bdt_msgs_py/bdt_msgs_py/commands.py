@@ -15,9 +15,9 @@ NODE_GROUP = "bdt.node"
 """Entry points of nodes: name of the node, and its class; the module has a ``main``."""
 
 BENCHMARK_GROUP = "bdt.benchmark"
-"""Entry points of benchmarks that ``bdt bench`` runs when they are named: a function that returns
-a dict for each number, with ``name``, ``value``, ``unit``, ``reference``, ``reference_value`` and
-``ratio``."""
+"""Entry points of benchmarks that ``bdt bench`` runs when they are named: a function of the time
+[s] that a loop in real time is measured, which returns a dict for each number, with ``name``,
+``value``, ``unit``, ``reference``, ``reference_value`` and ``ratio``."""
 
 PARAMETER_GROUP = "bdt.parameters"
 """Entry points of parameter tables: name of the node, and its table, which needs no ROS."""

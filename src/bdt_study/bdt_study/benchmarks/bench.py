@@ -79,12 +79,13 @@ def run_benchmarks(names: Iterable[str] = (), size: BenchmarkSize | None = None)
         if name not in BENCHMARKS and name not in others:
             known = ", ".join((*BENCHMARKS, *others))
             raise BadInputError(f"benchmark {name!r}: must be one of {known}")
+    size = size or BenchmarkSize()
     results: list[dict[str, Any]] = []
     for name in wanted:
         if name in BENCHMARKS:
-            results += [asdict(result) for result in BENCHMARKS[name](size or BenchmarkSize())]
+            results += [asdict(result) for result in BENCHMARKS[name](size)]
         else:
-            results += others[name].load()()
+            results += others[name].load()(size.real_time_duration)
     return {"machine": machine(), "results": results}
 
 

@@ -18,7 +18,7 @@ def _add_arguments(parser: ArgumentParser) -> None:
         type=float,
         default=BenchmarkSize.real_time_duration,
         metavar="S",
-        help="of each loop of real_time [s] (default: %(default)g)",
+        help="of each loop of real_time, of three browsers of live [s] (default: %(default)g)",
     )
     parser.add_argument("--json", action="store_true", help="print the results as JSON")
 

@@ -1,0 +1,1 @@
+"""What ``bdt bench live`` measures with: pages, processes, the time a loop takes."""

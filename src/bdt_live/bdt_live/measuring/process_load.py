@@ -1,0 +1,54 @@
+"""What processes cost, from /proc: memory, time of the processor, connections."""
+
+import os
+import re
+from contextlib import suppress
+from pathlib import Path
+from statistics import median
+
+ENDED = (FileNotFoundError, ProcessLookupError)
+"""What reading of a process raises that has ended meanwhile, as parts of a browser do."""
+
+ESTABLISHED = "01"
+"""A connection that is open, in /proc/net/tcp."""
+
+
+def tree_of(process: int) -> list[int]:
+    """Return a process and all that it has started, directly and through others."""
+    found = [process]
+    for each in found:
+        for task in Path(f"/proc/{each}/task").glob("*/children"):
+            with suppress(*ENDED):
+                found += [int(child) for child in task.read_text().split()]
+    return found
+
+
+def memory_of(processes: list[int]) -> int:
+    """Return the memory of some processes [byte]; what several share is counted once (PSS)."""
+    kilobytes = 0
+    for process in processes:
+        with suppress(*ENDED):
+            text = Path(f"/proc/{process}/smaps_rollup").read_text()
+            kilobytes += sum(map(int, re.findall(r"^Pss:\s+(\d+) kB", text, re.MULTILINE)))
+    return 1024 * kilobytes
+
+
+def processor_time_of(process: int) -> float:
+    """Return user and system time of a process [s]."""
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def connections_to(port: int) -> int:
+    """Return how many connections a port of this computer's IPv4 loopback has."""
+    rows = (row.split() for row in Path("/proc/net/tcp").read_text().splitlines()[1:])
+    return sum(row[1].endswith(f":{port:04X}") and row[3] == ESTABLISHED for row in rows)
+
+
+def growth(samples: list[int]) -> float:
+    """Return by how much samples grow from their second to their last quarter, as a share.
+
+    Compared are medians; the first quarter is for what fills up to its limit.
+    """
+    quarter = max(len(samples) // 4, 1)
+    return median(samples[-quarter:]) / median(samples[quarter : 2 * quarter] or samples) - 1.0

@@ -1,0 +1,73 @@
+"""What processes cost, compared with what this process knows of itself and its children."""
+
+import os
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+
+from bdt_live.measuring.process_load import (
+    connections_to,
+    growth,
+    memory_of,
+    processor_time_of,
+    tree_of,
+)
+
+WAIT = "import sys; print('ready', flush=True); sys.stdin.read()"
+
+
+@pytest.fixture
+def child():
+    process = subprocess.Popen(
+        [sys.executable, "-c", WAIT], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    process.stdout.readline()
+    yield process
+    process.communicate()
+
+
+def test_what_a_process_has_started_belongs_to_its_tree(child):
+    assert child.pid in tree_of(os.getpid())
+    assert tree_of(child.pid) == [child.pid]
+
+
+def test_memory_that_is_filled_is_counted():
+    before = memory_of([os.getpid()])
+    filled = bytearray(os.urandom(1 << 20) * 32)
+    assert memory_of([os.getpid()]) - before > 0.9 * len(filled)
+
+
+def test_a_process_that_has_ended_holds_nothing(child):
+    child.communicate()
+    assert memory_of([child.pid]) == 0
+
+
+def test_the_processor_s_time_is_that_of_the_process():
+    times = os.times()
+    assert processor_time_of(os.getpid()) == pytest.approx(times.user + times.system, abs=0.1)
+
+
+def test_connections_are_counted_at_their_port():
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        port = listening.getsockname()[1]
+        assert connections_to(port) == 0
+        with socket.create_connection(("127.0.0.1", port)):
+            deadline = time.monotonic() + 60.0
+            while connections_to(port) != 1:
+                assert time.monotonic() < deadline
+
+
+@pytest.mark.parametrize(
+    ("samples", "expected"),
+    [
+        ([100] * 8, 0.0),
+        ([1, 1, 100, 100, 100, 100, 110, 110], 0.1),  # the first quarter fills up
+        ([100, 100, 100, 100, 100, 100, 50, 900], 3.75),
+        ([7], 0.0),
+    ],
+)
+def test_growth_is_from_the_second_to_the_last_quarter(samples, expected):
+    assert growth(samples) == pytest.approx(expected)
