@@ -33,8 +33,9 @@ def type_into(page, control, text):
     )
 
 
-def press(page, key):
+def press(page, key, focus="document.body"):
     page.evaluate("document.activeElement.blur()")
+    page.evaluate(f"{focus}.focus()")
     for kind in ("keyDown", "keyUp"):
         page.command(
             "Input.dispatchKeyEvent", type=kind, key=key, text=key if len(key) == 1 else ""
@@ -69,7 +70,7 @@ def test_the_mechanism_and_every_plot_is_drawn(page):
         const data = canvas.getContext('2d').getImageData(0, 0, width, height).data;
         return data.some((value) => value !== 0);
     })"""
-    page.wait_for(f"({painted}).length === 6 && ({painted}).every((each) => each)")
+    page.wait_for(f"({painted}).length === 7 && ({painted}).every((each) => each)")
 
 
 def test_a_dragged_gap_reaches_the_plant(page):
@@ -150,16 +151,16 @@ def test_the_slider_of_the_gap_follows_one_that_wears(page):
     page.wait_for(f"document.getElementById('{GAP}').value > {before + 1.0}")
 
 
-def test_a_preset_is_one_click(page):
+def test_a_preset_is_one_click_or_the_number_of_its_figure(page):
     page.evaluate("document.querySelector('[data-preset=linear]').click()")
     page.wait_for("!document.getElementById('twin.reconfigure').checked")
     page.wait_for("document.getElementById('controller.dead_zone_tolerance').value === '0'")
-    page.evaluate("document.querySelector('[data-preset=paper]').click()")
+    press(page, "7")
     page.wait_for("document.getElementById('twin.reconfigure').checked")
 
 
 def test_the_last_minute_is_saved_as_a_bag_with_a_report(page, live_loop):
-    press(page, "m")
+    press(page, "m", focus="document.getElementById('save')")
     wait_until_shown(page, "marked at")
     page.evaluate("document.getElementById('save').click()")
     wait_until_shown(page, "saved bag-")
@@ -210,7 +211,25 @@ def test_a_lost_connection_comes_back_with_what_was_before(page):
     page.wait_for(f"parseFloat(document.getElementById('time').textContent) > {seconds(page)}")
 
 
-@pytest.mark.parametrize("width", [360, 800])
+def test_a_letter_that_is_typed_into_a_field_is_no_key_of_the_page(page):
+    marks = "document.getElementById('log').textContent.split('marked at').length"
+    before = page.evaluate(marks)
+    press(page, "m", focus=f"document.getElementById('{GAP}')")
+    frames_go_on(page)
+    assert page.evaluate(marks) == before
+
+
+def test_a_page_that_the_server_does_not_know_says_what_to_do(page, live_loop):
+    """As after a restart: the token is another one, and so is the cookie."""
+    page.command("Network.clearBrowserCookies")
+    page.evaluate("window.sockets.at(-1).close()")
+    wait_until_shown(page, "was started anew", "banner")
+    page.command("Page.navigate", url=live_loop.address)
+    page.wait_for("document.getElementById('state')?.dataset.word === 'ok'")
+    assert page.evaluate("document.getElementById('banner').hidden")
+
+
+@pytest.mark.parametrize("width", [375, 800])
 def test_on_a_narrow_screen_nothing_sticks_out(page, width):
     page.command(
         "Emulation.setDeviceMetricsOverride",

@@ -4,7 +4,8 @@ const SOONEST = 500;
 const LATEST = 5000; // ms between two tries
 
 export class Connection {
-  // `take` gets every message; `tell` whether there is a connection.
+  // `take` gets every message; `tell` whether there is a connection, and whether there is a
+  // server that does not know this page, as after its restart.
   constructor(take, tell) {
     this.take = take;
     this.tell = tell;
@@ -19,16 +20,23 @@ export class Connection {
     this.socket = new WebSocket(`${scheme}://${location.host}/socket`);
     this.socket.addEventListener("open", () => {
       this.wait = SOONEST;
-      this.tell(true);
+      this.tell({ isThere: true, isStranger: false });
     });
     this.socket.addEventListener("message", (event) => this.receive(JSON.parse(event.data)));
     this.socket.addEventListener("close", () => {
-      this.tell(false);
       for (const answer of this.answers.values()) answer("the connection is lost");
       this.answers.clear();
       setTimeout(() => this.open(), this.wait);
       this.wait = Math.min(2 * this.wait, LATEST);
+      this.ponder();
     });
+  }
+
+  // Tell why there is no connection: nobody answers, or a server that refuses.
+  async ponder() {
+    this.tell({ isThere: false, isStranger: false });
+    const answer = await fetch("/", { cache: "no-store" }).catch(() => null);
+    if (answer?.status === 403) this.tell({ isThere: false, isStranger: true });
   }
 
   receive(message) {

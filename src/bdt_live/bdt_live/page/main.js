@@ -21,11 +21,13 @@ const signals = new Signals();
 const mechanism = new Mechanism(find("mechanism"));
 const portraits = new Portraits(find("hysteresis"), find("phase"));
 const plots = new Plots({
-  position: find("plot-position"), voltage: find("plot-voltage"), gap: find("plot-gap"),
+  position: find("plot-position"), error: find("plot-error"), voltage: find("plot-voltage"),
+  gap: find("plot-gap"),
 });
-const nodes = new Nodes(find("state"), find("nodes"), find("log"));
-const connection = new Connection(take, (isThere) => {
+const nodes = new Nodes(find("state"), find("reason"), find("nodes"), find("log"));
+const connection = new Connection(take, ({ isThere, isStranger }) => {
   if (!isThere) nodes.tell("waiting", "connection lost, trying again");
+  announce(isStranger ? "bdt live was started anew: open the address that it has printed" : "");
 });
 const controls = new Controls(find("controls"), connection);
 const timeControl = new TimeControl(connection, nodes);
@@ -63,11 +65,13 @@ const takers = {
     else nodes.addLine(`report of ${bag}`, 20, `report/${bag}/report.html`);
   },
   refused: ({ reason }) => nodes.addLine(`refused: ${reason}`, 40),
-  fault: ({ text }) => {
-    find("banner").textContent = text;
-    find("banner").hidden = false;
-  },
+  fault: ({ text }) => announce(text),
 };
+
+function announce(text) {
+  find("banner").textContent = text;
+  find("banner").hidden = !text;
+}
 
 function take(message) {
   takers[message.type]?.(message);

@@ -3,14 +3,17 @@
 const MOST_LINES = 60;
 
 export class Nodes {
-  constructor(state, list, log) {
+  constructor(state, reason, list, log) {
     this.state = state;
+    this.reason = reason;
     this.list = list;
     this.log = log;
   }
 
   take({ word, cause, reason, nodes }) {
     this.tell(word, cause ? `${word}: ${cause}` : word, reason);
+    // A wall has no mouse to point at the state with.
+    this.reason.textContent = word === "ok" && nodes.length ? "" : reason;
     this.list.replaceChildren(...nodes.map((node) => {
       const item = document.createElement("li");
       item.dataset.level = node.level;

@@ -4,6 +4,7 @@ import { drawingOf } from "./drawing.js";
 import { faded, palette } from "./palette.js";
 
 const TRAIL = 10; // s
+const RECENT = 250; // rows that are bright, and that the axes show
 const DEGREE = Math.PI / 180;
 const SMALLEST = { hysteresis: 4, phase: 0.05 }; // in the units of the axes
 
@@ -15,27 +16,29 @@ export class Portraits {
   }
 
   draw(signals) {
-    const { time, theta_m: motor, theta_d: screw, position, reference } = signals.columns;
+    const { time, theta_m: motor, theta_d: screw, gap, position, reference } = signals.columns;
     const end = signals.indexAt(signals.shown ?? 0) + 1;
     const begin = Math.max(signals.indexAt((signals.shown ?? 0) - TRAIL), signals.begin);
-    const middle = end > begin ? (Math.floor(screw[end - 1] / (20 * DEGREE) + 0.5) * 20) : 0;
-    this.trace("hysteresis", begin, end, (n) => [motor[n] / DEGREE - middle, screw[n] / DEGREE - middle]);
+    const middle = middleOf(screw.subarray(Math.max(end - RECENT, begin), end)) / DEGREE;
+    const width = gap[end - 1] / DEGREE;
+    this.trace("hysteresis", begin, end, (n) => [motor[n] / DEGREE - middle, screw[n] / DEGREE - middle], width);
     this.trace("phase", begin + 2, end, (n) => {
       const speed = (position[n] - position[n - 2]) / (time[n] - time[n - 2]);
       return [1e3 * (position[n] - reference[n]), 1e3 * speed];
     });
   }
 
-  trace(name, begin, end, point) {
+  // Draw a curve, and for the angles the flanks of a gap [°] between which it runs.
+  trace(name, begin, end, point, gap = 0) {
     const drawing = drawingOf(this.canvases[name]);
     if (!drawing) return;
     const { context, width, height } = drawing;
     const points = [];
     for (let n = begin; n < end; n += 1) points.push(point(n));
-    const recent = points.slice(-250);
+    const recent = points.slice(-RECENT);
     const largest = recent.reduce(
       (most, [x, y]) => Math.max(most, Math.abs(x) || 0, name === "phase" ? Math.abs(y) / 12 || 0 : Math.abs(y) || 0),
-      SMALLEST[name],
+      Math.max(SMALLEST[name], gap || 0),
     );
     // Grows at once, shrinks within a second, so that the eye can follow.
     const now = performance.now() / 1e3;
@@ -60,6 +63,13 @@ export class Portraits {
     context.fillText(`± ${shortened(reach)}`, width - 4, height / 2 - 4);
     context.textAlign = "left";
     context.fillText(`± ${shortened(tall)}`, width / 2 + 4, 11);
+    if (gap > 0) {
+      context.setLineDash([5, 4]);
+      for (const side of [-gap / 2, gap / 2]) {
+        stroke(context, [[-reach + side, -reach], [reach + side, reach]], toX, toY, palette.quiet, 1);
+      }
+      context.setLineDash([]);
+    }
     const color = name === "phase" ? palette.blue : palette.orange;
     stroke(context, points, toX, toY, faded(color, 0.3), 1);
     stroke(context, recent, toX, toY, color, 2);
@@ -79,6 +89,12 @@ function stroke(context, points, toX, toY, color, width) {
   context.beginPath();
   for (const [x, y] of points) context.lineTo(toX(x), toY(y));
   context.stroke();
+}
+
+// The middle between smallest and largest; of values that are not known, zero.
+function middleOf(values) {
+  const known = values.filter(Number.isFinite);
+  return known.length ? (Math.min(...known) + Math.max(...known)) / 2 : 0;
 }
 
 function shortened(value) {

@@ -1,7 +1,7 @@
 // Pause, step, pace, mark, save, presets and wear: buttons and keys that ask the loop.
 
 const KEYS = { " ": "pause", ".": "step", m: "mark", s: "save", d: "theme" };
-const PRESET_KEYS = { 1: "linear", 2: "fixed_dead_zone", 3: "paper" };
+const PRESET_KEYS = { 3: "linear", 4: "fixed_dead_zone", 7: "paper" }; // the paper's figures
 
 export class TimeControl {
   constructor(connection, nodes) {
@@ -29,8 +29,7 @@ export class TimeControl {
   button(name) { return document.getElementById(name); }
 
   press(event) {
-    const typing = event.target.closest("input, select, textarea, button, summary, a");
-    if (typing || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (takesKey(event.target, event.key) || event.ctrlKey || event.altKey || event.metaKey) return;
     const button = event.key in PRESET_KEYS
       ? document.querySelector(`[data-preset="${PRESET_KEYS[event.key]}"]`)
       : this.button(KEYS[event.key]);
@@ -54,4 +53,10 @@ export class TimeControl {
     this.button("step").disabled = !can || !paused;
     if (can && document.activeElement !== this.pace) this.pace.value = String(pace);
   }
+}
+
+// Whether an element does something else with a key: it is typed there, or presses a button.
+function takesKey(element, key) {
+  if (element.closest("select, input[type=number], input[type=text]")) return true;
+  return key === " " && Boolean(element.closest("input, button, summary, a"));
 }
