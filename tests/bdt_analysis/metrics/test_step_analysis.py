@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from bdt_analysis.metrics.oscillation import find_oscillation
 from bdt_analysis.metrics.reference_steps import find_steps
 from bdt_analysis.metrics.step_analysis import has_limit_cycle, settling_time, summarize_step
 
@@ -92,7 +93,7 @@ def test_creep_is_not_a_limit_cycle():
 def test_noise_is_not_a_limit_cycle():
     noise = np.random.default_rng(2).normal(0.0, 1.2e-5, 3000)
     assert np.ptp(noise) > 0.01 * HEIGHT
-    assert has_limit_cycle(noise, 1 / RATE, HEIGHT) is False
+    assert has_limit_cycle(noise, find_oscillation(noise, 1 / RATE), HEIGHT) is False
 
 
 def test_last_step_that_is_cut_says_nothing():
@@ -126,7 +127,8 @@ def test_oscillation_around_the_first_position():
 
 
 def test_limit_cycle_needs_a_height():
-    assert has_limit_cycle(np.sin(np.arange(3000) / 100), 1 / RATE, None) is None
+    sine = np.sin(np.arange(3000) / 100)
+    assert has_limit_cycle(sine, find_oscillation(sine, 1 / RATE), None) is None
 
 
 def test_settling_time():

@@ -32,13 +32,13 @@ class InThisProcess:
 
 def test_rates_stand_beside_what_they_are_to_reach(monkeypatch):
     monkeypatch.setattr(sweep, "LocalWorkers", InThisProcess)
-    monkeypatch.setattr(sweep, "_dask_rate", lambda *_: 100.0)
+    monkeypatch.setattr(sweep, "_dask_rate", lambda *_: (100.0, 0.0))
     results = run_benchmarks(["sweep"], TINY)["results"]
     assert [one["reference"] for one in results] == [
         "a million in 15 min",
         "the kernel alone",
         "cores",
-        "growth of memory in 200 runs",
+        "growth of memory in 100 runs",
         "pool",
     ]
     assert results[0]["reference_value"] == pytest.approx(1111.1, rel=1e-3)

@@ -5,7 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_analysis.metrics.oscillation import find_oscillation, oscillation_frequency
+from bdt_analysis.metrics.oscillation import (
+    Oscillation,
+    find_oscillation,
+    oscillation_frequency,
+)
 from bdt_analysis.metrics.reference_steps import ReferenceStep
 
 FloatArray = NDArray[np.float64]
@@ -88,7 +92,8 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
     if step.cut or step.holed or end - window < 2:
         return StepSummary(step.t_start, step.reference, None, None, None, None, None)
     tail = position[window:end]
-    bias = float(tail.mean()) - step.reference
+    final = float(tail.mean())
+    bias = final - step.reference
     judged = step.window >= SHORTEST_JUDGED
     settling = None
     if judged and step.height is not None:
@@ -96,11 +101,12 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
             time[first:end],
             step.t_start,
             position[first:end],
-            float(tail.mean()),
+            final,
             SETTLING_BAND * step.height,
             step.length - step.window / 3,
         )
-    cycle = has_limit_cycle(tail, sample_time, step.scale) if judged else None
+    oscillation = find_oscillation(tail, sample_time)
+    cycle = has_limit_cycle(tail, oscillation, step.scale) if judged else None
     return StepSummary(
         t_start_s=step.t_start,
         reference_m=step.reference,
@@ -109,7 +115,7 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
         bias_percent_of_amplitude=100 * bias / step.height if step.height else None,
         settling_time_s=settling,
         limit_cycle=cycle,
-        limit_cycle_amplitude_m=0.5 * oscillation_peak_to_peak(tail, sample_time)
+        limit_cycle_amplitude_m=0.5 * oscillation_peak_to_peak(tail, oscillation)
         if cycle
         else None,
         limit_cycle_frequency_hz=oscillation_frequency(tail, sample_time) if cycle else None,
@@ -147,7 +153,9 @@ def settling_time(
         Time of the first sample of the last stay within the band [s]; None if that is not before
         `latest`.
     """
-    outside = np.flatnonzero(np.abs(position - final) > band)
+    distance = position - final
+    np.abs(distance, out=distance)
+    outside = np.flatnonzero(distance > band)
     if not outside.size:
         return 0.0
     last = int(outside[-1])
@@ -156,38 +164,39 @@ def settling_time(
     return float(time[last + 1] - begin)
 
 
-def has_limit_cycle(position: FloatArray, sample_time: float, height: float | None) -> bool | None:
+def has_limit_cycle(
+    position: FloatArray, oscillation: Oscillation, height: float | None
+) -> bool | None:
     """Tell whether the end of a step is a limit cycle; None without a height to compare with.
 
     Parameters
     ----------
     position : ndarray, shape (n,)
         Position q3 over the window at the end of the step [m].
-    sample_time : float
-        Sample time [s].
+    oscillation : Oscillation
+        What was found in it.
     height : float or None
         Height of the step [m].
     """
     if height is None:
         return None
-    sustained = find_oscillation(position, sample_time).sustained
     return (
-        sustained
-        and oscillation_peak_to_peak(position, sample_time) > LIMIT_CYCLE_THRESHOLD * height
+        oscillation.sustained
+        and oscillation_peak_to_peak(position, oscillation) > LIMIT_CYCLE_THRESHOLD * height
     )
 
 
-def oscillation_peak_to_peak(position: FloatArray, sample_time: float) -> float:
+def oscillation_peak_to_peak(position: FloatArray, oscillation: Oscillation) -> float:
     """Return the peak to peak of an oscillation [m], without drift and noise.
 
     Parameters
     ----------
     position : ndarray, shape (n,)
         Position q3 over the window at the end of the step [m].
-    sample_time : float
-        Sample time [s].
+    oscillation : Oscillation
+        What was found in it.
     """
-    amplitude = find_oscillation(position, sample_time).amplitude
     peak_to_peak = float(np.ptp(position))
     # Smoothing takes a little from the peaks; with noise or drift it takes more, and should.
-    return peak_to_peak if amplitude >= CLEAN * peak_to_peak else amplitude
+    is_clean = oscillation.amplitude >= CLEAN * peak_to_peak
+    return peak_to_peak if is_clean else oscillation.amplitude

@@ -49,17 +49,15 @@ def sweep(size: BenchmarkSize) -> list[BenchmarkResult]:
     with _folder(size) as folder:
         study = read_study(folder / "study.yaml")
         kernel = _kernel_rate(study)
-        before = _peak_memory()
-        one = _rate(study, folder / "one", LocalWorkers(1))
-        many = _rate(study, folder / "many", LocalWorkers(cores))
-        grown = _peak_memory() - before
+        one, grown = _rate(study, folder / "one", LocalWorkers(1))
+        many, _ = _rate(study, folder / "many", LocalWorkers(cores))
         results = [
             compared(name, many, unit, "a million in 15 min", MILLION / ENOUGH),
             compared(name, one, f"{unit}, one worker", "the kernel alone", kernel),
             compared(name, many / one, "times", "cores", float(cores)),
-            BenchmarkResult(name, grown, "MB", f"growth of memory in {2 * study.runs} runs"),
+            BenchmarkResult(name, grown, "MB", f"growth of memory in {study.runs} runs"),
         ]
-        dask = _dask_rate(study, folder / "dask", cores)
+        dask, _ = _dask_rate(study, folder / "dask", cores)
         return [*results, compared(name, dask, f"{unit}, Dask", "pool", many)]
 
 
@@ -101,24 +99,29 @@ def _folder(size: BenchmarkSize) -> Iterator[Path]:
         yield Path(name)
 
 
-def _rate(study: Study, folder: Path, engine: Engine) -> float:
-    """Return runs in a second, without the start of the workers."""
+def _rate(study: Study, folder: Path, engine: Engine) -> tuple[float, float]:
+    """Return runs in a second and growth of memory [MB], both from the first part on.
+
+    What comes before is the start: of the workers, and of pyarrow in this process.
+    """
     # Only sweeps need pyarrow.
     from bdt_study.sweep.data_set import DataSet  # noqa: PLC0415
 
     data = DataSet(folder, study)
     data.create(resume=False)
-    began, runs = 0.0, 0
+    began = before = 0.0
+    runs = 0
     for result in engine.results(batches(study, data.missing())):
         data.write(result)
         if not began:
-            began = time.perf_counter()
+            began, before = time.perf_counter(), _peak_memory()
         else:
             runs += len(result.values)
-    return runs / (time.perf_counter() - began) if runs else 0.0
+    rate = runs / (time.perf_counter() - began) if runs else 0.0
+    return rate, _peak_memory() - before
 
 
-def _dask_rate(study: Study, folder: Path, cores: int) -> float:
+def _dask_rate(study: Study, folder: Path, cores: int) -> tuple[float, float]:
     # Only sweeps on a cluster need Dask.
     from distributed import LocalCluster  # noqa: PLC0415
 

@@ -1,7 +1,7 @@
 """The closed loop offline: a scenario in, its trajectory out, one by one or many over the cores."""
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from bdt_controller.notch import NO_NOTCH, NotchFilter
 from bdt_controller.pid import PidGains
-from bdt_controller.reference import ReferenceProfile, reference_at
+from bdt_controller.reference import ReferenceProfile
 from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, amplifier_of
-from bdt_plant.gap_profile import GapProfile, gaps_at
+from bdt_plant.gap_profile import GapProfile
 from bdt_plant.machine import MACHINE_AT_REST, DiscreteMachine
 from bdt_plant.plant import AT_REST, PlantModel, Sampling
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, discretize_sensor, noise_sequence
@@ -26,9 +26,9 @@ from bdt_study.simulation.loop_model import (
     discretize_loop,
     loop_at_rest,
 )
+from bdt_study.simulation.sampled_signals import Signal, sampled
 
 FloatArray = NDArray[np.float64]
-Signal = float | FloatArray | Callable[[float], float]
 
 SIGNALS = ("r", *SIMULATED[:5], "d", *SIMULATED[5:])
 """Signals of a trajectory besides the time."""
@@ -199,11 +199,11 @@ def sample_inputs(scenario: Scenario) -> LoopInputs:
     steps, samples = scenario.control_steps, scenario.samples
     rate, hold = scenario.sampling.sampling_rate, scenario.sampling.samples_per_control_step
     return LoopInputs(
-        _sampled("reference", scenario.reference, steps, hold, rate),
-        _sampled("dead_zone", scenario.dead_zone, steps, hold, rate),
-        _sampled("gap", scenario.gap, samples + 1, 1, rate),
+        sampled("reference", scenario.reference, steps, hold, rate),
+        sampled("dead_zone", scenario.dead_zone, steps, hold, rate),
+        sampled("gap", scenario.gap, samples + 1, 1, rate),
         IDEAL if scenario.sensor.is_ideal else noise_sequence(scenario.sensor, 0, samples),
-        _sampled("voltage_offset", scenario.voltage_offset, steps, hold, rate),
+        sampled("voltage_offset", scenario.voltage_offset, steps, hold, rate),
     )
 
 
@@ -261,47 +261,9 @@ def trajectory_of(
     )
 
 
-def _sampled(
-    name: str, signal: ReferenceProfile | GapProfile | Signal, count: int, hold: int, rate: float
-) -> FloatArray:
-    """Return a signal at the samples 0, hold, 2 hold, ... as an array of shape (count,)."""
-    if isinstance(signal, ReferenceProfile | GapProfile):
-        return _sampled_law(signal, count, hold, rate)
-    if callable(signal):
-        return np.array(
-            [signal(time) for time in _times(count, hold, rate).tolist()], dtype=np.float64
-        )
-    values = np.array(signal, dtype=np.float64)
-    if values.ndim == 0:
-        return np.full(count, float(values))
-    if values.shape != (count,):
-        raise ValueError(f"{name} = array of shape {values.shape}: must be ({count},)")
-    return values
-
-
-# Laws are hashable and slow to sample in Python, and the scenarios of a sweep share them.
-@lru_cache(maxsize=16)
-def _sampled_law(
-    law: ReferenceProfile | GapProfile, count: int, hold: int, rate: float
-) -> FloatArray:
-    times = _times(count, hold, rate)
-    if isinstance(law, ReferenceProfile):
-        values = np.array([reference_at(law, time) for time in times.tolist()])
-    else:
-        values = gaps_at(law, times)
-    values.flags.writeable = False
-    return values
-
-
 # Trajectories of equal length share it: writing new memory takes longer than simulating.
 @lru_cache(maxsize=4)
 def _time_axis(samples: int, rate: float) -> FloatArray:
     times = np.arange(samples) / rate
     times.flags.writeable = False
-    return times
-
-
-def _times(count: int, hold: int, rate: float) -> FloatArray:
-    # As PlantSimulator: the sample number divided by the rate.
-    times: FloatArray = np.arange(0, count * hold, hold) / rate
     return times

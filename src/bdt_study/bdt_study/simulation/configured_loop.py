@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 from bdt_controller.controller import ControllerSettings
@@ -150,7 +151,7 @@ class LoopParameters:
         parts = dict(self.parts)
         for part, fields in by_part.items():
             try:
-                parts[part] = replace(parts[part], **fields)
+                parts[part] = _with_fields(parts[part], tuple(fields.items()))
             except ValueError as error:
                 node = part[0]
                 raise ValueError(
@@ -260,6 +261,12 @@ def simulate_setup(scenario: Scenario, twin: TwinSetup, keep: Sequence[str]) -> 
         believed=twin.believed,
         redesign=twin.redesign,
     )
+
+
+# Checking a part takes as long as a fifth of a simulated second, and grids repeat their values.
+@lru_cache(maxsize=1024)
+def _with_fields(part: Any, fields: tuple[tuple[str, Any], ...]) -> Any:
+    return replace(part, **dict(fields))
 
 
 def part_of(node: str, name: str) -> tuple[Part, str]:

@@ -133,8 +133,7 @@ def discretize_loop(
     model: PlantModel, gains: PidGains, sampling: Sampling, notch: NotchFilter = NO_NOTCH
 ) -> DiscreteLoop:
     """Return the discrete models of plant and controller."""
-    control = discretize_control(gains, 1.0 / sampling.control_rate, notch)
-    return DiscreteLoop(_discrete_plant(model, sampling), control)
+    return DiscreteLoop(_discrete_plant(model, sampling), _control_law(gains, sampling, notch))
 
 
 # The matrix exponentials take as long as ten seconds of the loop, and sweeps share them.
@@ -144,6 +143,12 @@ def _discrete_plant(model: PlantModel, sampling: Sampling) -> DiscretePlant | Di
         return discretize_machine(model, sampling)
     plant = discretize_plant(model, 1.0 / sampling.sampling_rate)
     return plant._replace(pitch=float(plant.pitch))
+
+
+# Its decimal exponentials are the same in all runs of a sweep but those that vary the gains.
+@lru_cache(maxsize=64)
+def _control_law(gains: PidGains, sampling: Sampling, notch: NotchFilter) -> ControlLaw:
+    return discretize_control(gains, 1.0 / sampling.control_rate, notch)
 
 
 def loop_at_rest(
