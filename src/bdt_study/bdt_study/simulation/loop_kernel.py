@@ -42,13 +42,16 @@ FloatArray = NDArray[np.float64]
 
 SIMULATED = ("u", "current", "omega_m", "theta_m", "theta_d", "q1", "q2", "q3", "measured")
 """Signals that the kernel writes, in its order."""
+INNER = tuple(name for name in SIMULATED if name not in ("u", "q3"))
+"""Those that telemetry does not hold: the kernel writes all of them or none."""
 
 
 def allocate(samples: int, keep: Collection[str] = SIMULATED) -> tuple[FloatArray, ...]:
     """Return the arrays that the kernel writes, those not kept with a single place in memory.
 
-    The kernel always writes all signals: a store costs nothing beside the arithmetic, but memory
-    does. A stride of zero saves the memory without a second kernel to compile.
+    A stride of zero saves the memory, which costs time, without a second kernel to compile. Where
+    no signal of ``INNER`` is kept, these are empty: seven stores in each sample take about as long
+    as a tenth of the arithmetic.
 
     Parameters
     ----------
@@ -59,14 +62,20 @@ def allocate(samples: int, keep: Collection[str] = SIMULATED) -> tuple[FloatArra
 
     Returns
     -------
-    tuple of ndarray, each of shape (samples,)
+    tuple of ndarray, each of shape (samples,) or empty
         In the order of ``SIMULATED``.
     """
-    return tuple(
+    is_traced = not set(INNER).isdisjoint(keep)
+
+    def array(name: str) -> FloatArray:
+        if name in keep:
+            return np.empty(samples)
+        if name in INNER and not is_traced:
+            return np.empty(0)
         # Eight floats, so that each has a cache line of its own.
-        np.empty(samples) if name in keep else as_strided(np.empty(8), (samples,), (0,))
-        for name in SIMULATED
-    )
+        return as_strided(np.empty(8), (samples,), (0,))
+
+    return tuple(map(array, SIMULATED))
 
 
 def run_kernel(
@@ -82,8 +91,9 @@ def run_kernel(
         Discrete models.
     inputs : LoopInputs
         Inputs of all control periods.
-    signals : tuple of ndarray, each of shape (samples,)
-        Written: the signals ``SIMULATED``. Where q1 is kept, theta_d is, too.
+    signals : tuple of ndarray, each of shape (samples,) or empty
+        Written: the signals ``SIMULATED``, as :func:`allocate` returns them. Where q1 is kept,
+        theta_d is, too.
     """
     is_machine = isinstance(step.plant, DiscreteMachine)
     result: LoopState = compiled_loop(is_machine=is_machine)(state, step, *inputs, *signals)
@@ -170,6 +180,7 @@ def _loop_around(
         begin, reading = sensor.sample, sensor.reading
         line, recent = sensor.line.copy(), sensor.recent.copy()
         hold = (gaps.size - 1) // references.size
+        is_traced = current.size > 0
         voltage = applied = 0.0
         for k in range(references.size):
             for sample in range(k * hold, (k + 1) * hold):
@@ -191,15 +202,16 @@ def _loop_around(
                     voltage = saturated(voltage, step.amplifier.limit)
                     applied = amplified(voltage, step.amplifier)
                 u[sample] = voltage
-                current[sample] = plant.motor.current
-                omega_m[sample] = plant.motor.speed
-                theta_m[sample] = plant.motor.angle
-                theta_d[sample] = plant.theta_d
-                if is_machine:
-                    q1[sample] = first_platform(plant, step.plant)
-                q2[sample] = plant.structure.q2
                 q3[sample] = plant.structure.q3
-                measured[sample] = reading
+                if is_traced:
+                    current[sample] = plant.motor.current
+                    omega_m[sample] = plant.motor.speed
+                    theta_m[sample] = plant.motor.angle
+                    theta_d[sample] = plant.theta_d
+                    if is_machine:
+                        q1[sample] = first_platform(plant, step.plant)
+                    q2[sample] = plant.structure.q2
+                    measured[sample] = reading
                 plant = plant_step(plant, applied, gaps[sample + 1], step.plant)
         return LoopState(plant, control, SensorState(begin + u.size, reading, line, recent))
 
