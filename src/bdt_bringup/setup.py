@@ -38,6 +38,7 @@ setup(
             "config = bdt_bringup.commands.config:COMMAND",
             "run = bdt_bringup.commands.run:COMMAND",
             "status = bdt_bringup.commands.status:COMMAND",
+            "twins = bdt_bringup.commands.twins:COMMAND",
         ],
         "bdt.configurations": [
             "bdt_bringup = bdt_bringup",

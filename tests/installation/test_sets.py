@@ -125,6 +125,7 @@ def test_a_robot_s_bdt_lists_what_is_there(robot):
     assert re.findall(r"^ {4}([\w-]+)", said, re.MULTILINE) == [
         "run",
         "status",
+        "twins",
         "config",
         "hardware-check",
     ]

@@ -20,6 +20,7 @@ PACKAGE_OF_COMMAND = {
     "run": "bdt_bringup",
     "live": "bdt_live",
     "status": "bdt_bringup",
+    "twins": "bdt_bringup",
     "config": "bdt_bringup",
     "record": "bdt_bags",
     "recover": "bdt_bags",
