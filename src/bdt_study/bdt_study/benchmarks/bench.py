@@ -33,6 +33,7 @@ from bdt_study.benchmarks.transport import (
     pingpong_vs_raw,
     start_up,
 )
+from bdt_study.benchmarks.twins import twins
 from bdt_study.simulation.closed_loop import (
     Scenario,
     discrete_loop,
@@ -228,6 +229,7 @@ BENCHMARKS: dict[str, Callable[[BenchmarkSize], list[BenchmarkResult]]] = {
         bdt_help,
         sweep,
         sweep_kills,
+        twins,
     )
 }
 """Benchmarks by name, in the order in which they run."""

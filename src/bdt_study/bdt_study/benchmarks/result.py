@@ -27,6 +27,8 @@ class BenchmarkSize:
         Number of runs of a sweep.
     sweep_kills : int
         Number of times that a sweep is killed.
+    twins_duration : float
+        Time for which the twins of each fleet are listened to [s].
     """
 
     duration: float = 120.0
@@ -38,6 +40,7 @@ class BenchmarkSize:
     real_time_duration: float = 10.0
     sweep_runs: int = 20_000
     sweep_kills: int = 50
+    twins_duration: float = 15.0
 
 
 @dataclass(frozen=True)
