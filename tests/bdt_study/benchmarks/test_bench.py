@@ -30,6 +30,7 @@ WITH_PROCESSES = (
     "bdt_study.benchmarks.program",
     "bdt_study.benchmarks.real_time",
     "bdt_study.benchmarks.sweep",
+    "bdt_study.benchmarks.twins",
 )
 OFFLINE = [x for x, function in BENCHMARKS.items() if function.__module__ not in WITH_PROCESSES]
 

@@ -1,7 +1,5 @@
 """The benchmark of fleets: what counts as borne, the search, and one small fleet of processes."""
 
-import math
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -49,4 +47,4 @@ def test_an_overloaded_fleet_is_told_beside_its_luckiest_twin(monkeypatch):
 def test_a_small_fleet_is_heard():
     said = trial(1, 2.5, warm_up=0.1)
     assert len(said.lags) == len(said.estimates) == 1
-    assert math.isfinite(said.lags[0])
+    assert said.lags[0] < 22.0, "it was heard, and not behind all that was sent"

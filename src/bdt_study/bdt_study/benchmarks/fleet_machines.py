@@ -46,6 +46,7 @@ class Machines:
             for name in names
         ]
         self._said: dict[str, list[dict[str, str]]] = {f"/{name}/{TWIN_NODE}": [] for name in names}
+        self._sent = 0.0
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(node)
         node.create_subscription(
@@ -69,7 +70,7 @@ class Machines:
         """
         loop = simulate(Scenario(WINDOW + warm_up + duration), ("u", "q3"))
         rows = np.stack([loop.t, loop.u, loop.q3], axis=1)
-        rate = round(1.0 / loop.t[1])
+        rate, self._sent = round(1.0 / loop.t[1]), float(loop.t[-1])
         window, batch = round(WINDOW * rate), round(BATCH * rate)
         self._publish(rows[:window])
         begin = time.monotonic()
@@ -84,7 +85,9 @@ class Machines:
         """Return the largest lag [s] and the number of estimates of each twin."""
         lags, estimates = [], []
         for said in self._said.values():
-            lags.append(max((float(one["telemetry_lag_s"]) for one in said), default=np.inf))
+            # One that says nothing is behind all that was sent.
+            told = (float(one["telemetry_lag_s"]) for one in said)
+            lags.append(max(told, default=self._sent))
             counts = [int(one["estimates"]) for one in said] or [0]
             estimates.append(counts[-1] - counts[0])
         return {"lags": lags, "estimates": estimates}
