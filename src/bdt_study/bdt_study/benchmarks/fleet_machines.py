@@ -23,6 +23,8 @@ from bdt_study.simulation.closed_loop import Scenario, simulate
 
 WINDOW = 20.0
 """Telemetry that each twin gets at first, the window of its estimator [s]."""
+PATIENCE = 120.0
+"""Wall time in which all twins are to come [s]."""
 BATCH = 0.1
 """Time covered by each message after it [s]."""
 
@@ -54,8 +56,11 @@ class Machines:
         )
 
     def wait_for_twins(self) -> None:
-        """Return when each machine has a twin."""
+        """Return when each machine has a twin; end the process if one never comes."""
+        latest = time.monotonic() + PATIENCE
         while not all(publisher.get_subscription_count() for publisher in self._publishers):
+            if time.monotonic() > latest:
+                sys.exit(f"machines without a twin after {PATIENCE:g} s")
             self._executor.spin_once(timeout_sec=BATCH)
 
     def send(self, warm_up: float, duration: float) -> None:
