@@ -28,16 +28,19 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 pytest_plugins = ["browser", "recorded_loops"]
 
 LONG = (
+    # Beside these, which work with one process alone, tutorials in real time have some room.
     "test_tutorials",
+    "test_output_error",
+    "test_reproduce",
+    "test_reference",
+    "test_calibrate",
+    "test_unknown_machines",
+    "test_analyze",
     "test_run",
     "test_page",
-    "test_output_error",
     "test_supervision",
-    "test_reference",
     "test_hardware_check",
     "test_stray_messages",
-    "test_reproduce",
-    "test_analyze",
     "test_restarts",
     "test_export",
     "test_fault_schedules",

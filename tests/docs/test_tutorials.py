@@ -28,7 +28,10 @@ PAGES = sorted(page for page in TUTORIALS.glob("*.md") if page.stem != "index")
 CHECKOUT = ("Makefile", "config", "embedded_ros", "requirements.lock", "src")
 DEADLINE = 240.0
 """Wall time [s] after which a command hangs."""
-WAITING = re.compile(r"^\[INFO\] \[[\d.]+\] \[plant\]: waiting for .*\n", re.MULTILINE)
+BUSY = re.compile(
+    r"^\[INFO\] \[[\d.]+\] \[plant\]: waiting for .*\n|  degraded: plant: commands missing.*",
+    re.MULTILINE,
+)
 """What a busy machine makes the plant say."""
 FLAGS = ELLIPSIS | NORMALIZE_WHITESPACE
 INTERRUPTED = 130
@@ -145,7 +148,7 @@ class Terminal:
     @property
     def output(self):
         """What the running command has printed."""
-        return WAITING.sub("", self._output.partition(f"\n{self._end}")[0])
+        return BUSY.sub("", self._output.partition(f"\n{self._end}")[0])
 
     def _has_ended(self):
         return re.search(rf"{self._end} (\d+)\n", self._output)
