@@ -9,10 +9,9 @@ BIN := $(VENV)/bin
 PACKAGES := $(addprefix src/,bdt_msgs_py bdt_plant bdt_controller bdt_driver bdt_serial_drive bdt_drive_emulator bdt_twin bdt_bags bdt_analysis bdt_study bdt_bringup bdt_live)
 SOURCES := src tests embedded_ros checks docs/make_figures.py docs/source/conf.py docs/source/extensions
 
-# Tests of one file share what they set up, so a file stays with one process. A third of a process's time
-# is waiting for others, hence one more than there are processors.
-PROCESSES = $(shell $(PYTHON) -c 'import os; print(min(os.cpu_count() + 1, 4))')
-PARALLEL ?= --numprocesses $(PROCESSES) --dist loadfile --no-loadscope-reorder
+# Tests of one file share what they set up, so a file stays with one process. No more processes than
+# processors: many tests run loops in real time.
+PARALLEL ?= --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 
 .PHONY: run hardware test test-noble conformance stray-messages soak setup check docs figures dist dist-test version lock
 

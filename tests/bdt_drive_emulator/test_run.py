@@ -40,7 +40,7 @@ def test_a_run_arms_the_machine_records_it_and_ends(machine, tmp_path):
     done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=DEADLINE)
     assert done.returncode == 0, done.stderr
     summary = json.loads(done.stdout)
-    assert summary["duration_s"] == pytest.approx(5.0, abs=1.0)
+    assert summary["duration_s"] == pytest.approx(5.0, abs=3.0)  # a busy one disarms late
     assert summary["messages"]["/command"] > 500
     said = (output / "log" / "driver.log").read_text(encoding="utf-8")
     assert "the drive is armed" in said

@@ -106,6 +106,17 @@ def test_a_request_that_waits_can_be_dropped(ros):
     assert (asker.requests.accepted, asker.requests.failed) == (0, 0)
 
 
+def test_an_answer_that_comes_when_the_node_goes_is_not_taken(ros):
+    asker = Asker(ros)
+    controller = asker.start_controller()
+    asker.requests.send(WIDE)
+    ros.spin_until(lambda: asker.requests._answer is not None)
+    asker.requests.close()
+    ros.spin_until(lambda: in_force(controller) == WIDE.tolerance)
+    ros.spin_for(0.1)
+    assert (asker.ended, asker.requests.accepted, asker.requests.in_flight) == (0, 0, None)
+
+
 def test_a_request_that_was_sent_gets_its_answer(ros):
     asker = Asker(ros)
     controller = asker.start_controller()

@@ -29,7 +29,7 @@ CHECKOUT = ("Makefile", "config", "embedded_ros", "requirements.lock", "src")
 DEADLINE = 240.0
 """Wall time [s] after which a command hangs."""
 BUSY = re.compile(
-    r"^\[INFO\] \[[\d.]+\] \[plant\]: waiting for .*\n|  degraded: plant: commands missing.*",
+    r"^\[INFO\] \[[\d.]+\] \[plant\]: waiting for .*\n|  (degraded|stopped): plant: .*",
     re.MULTILINE,
 )
 """What a busy machine makes the plant say."""

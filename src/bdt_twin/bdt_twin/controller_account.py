@@ -77,6 +77,10 @@ class ControllerAccount:
             DiagnosticArray, DIAGNOSTICS.name, self._hear, qos_profile(DIAGNOSTICS)
         )
 
+    def close(self) -> None:
+        """Take no answer any more: the executor may still have one when the node is gone."""
+        self._forget()
+
     def _hear(self, message: DiagnosticArray) -> None:
         for status in message.status:
             if status.name != self._controller:

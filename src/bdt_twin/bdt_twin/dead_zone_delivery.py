@@ -96,6 +96,11 @@ class DeadZoneDelivery:
         self.requests.drop()
         self._destroy_arrival_timer()
 
+    def close(self) -> None:
+        """Take no answer any more: the node is about to go."""
+        self.requests.close()
+        self._account.close()
+
     def deliver(self, unanswered: Reconfiguration | None = None) -> None:
         """Ask the controller for what has arrived; come back for what is still on its way.
 

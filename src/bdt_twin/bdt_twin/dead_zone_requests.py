@@ -141,6 +141,13 @@ class DeadZoneRequests:
         if self._answer is None:
             self._clear()
 
+    def close(self) -> None:
+        """Take no answer any more: the executor may still have one when the node is gone."""
+        answer = self._answer
+        self._clear()
+        if answer is not None and not answer.done():
+            answer.cancel()
+
     def forget_offset(self) -> None:
         """Ask for the dead zone alone, as far as nothing was asked for yet."""
         if self.in_flight is not None and self._answer is None:

@@ -38,6 +38,10 @@ class GainsCheck:
             node, controller, timeout, names, lambda _set_by: not self._is_answered, self._compare
         )
 
+    def close(self) -> None:
+        """Take no answer any more: the node is about to go."""
+        self._account.close()
+
     def _compare(self, account: Account) -> None:
         self._is_answered = True
         faults = [_first_difference(account.values, gains) for gains in self._known]

@@ -139,6 +139,10 @@ class TwinNode(Node):
             estimation.close()
         if kept := getattr(self, "_kept", None):
             kept.close()
+        # The executor may have an answer that nobody can take any more.
+        for asking in ("_delivery", "_gains_check"):
+            if asked := getattr(self, asking, None):
+                asked.close()
         super().destroy_node()
 
     # Estimates -----------------------------------------------------------------------------
