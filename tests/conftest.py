@@ -28,33 +28,39 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 pytest_plugins = ["browser", "recorded_loops"]
 
 LONG = (
-    # Beside these, which work with one process alone, tutorials in real time have some room.
-    "test_tutorials",
+    "test_run",
+    "test_page",
     "test_output_error",
+    "test_supervision",
     "test_reproduce",
     "test_reference",
     "test_calibrate",
+    "test_stray_messages",
     "test_unknown_machines",
     "test_analyze",
-    "test_run",
-    "test_page",
-    "test_supervision",
-    "test_hardware_check",
-    "test_stray_messages",
     "test_restarts",
     "test_export",
     "test_fault_schedules",
     "test_run_sweep",
     "test_dask_cluster",
-    "test_ros2cli",
     "test_stray_processes",
 )
-"""Files of tests that take longest: the last one to begin would have one process work alone."""
+"""Files of tests that take long: where one begins last, one process works alone."""
+
+IN_REAL_TIME = "test_tutorials"
+"""The file that comes last, when there is a computer for it: its loops do not wait for others."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the files first that take longest; xdist puts those first that have most tests."""
-    items.sort(key=lambda item: LONG.index(item.path.stem) if item.path.stem in LONG else len(LONG))
+    """Put the long files first; xdist puts those first that have most tests."""
+
+    def place(item: pytest.Item) -> int:
+        name = item.path.stem
+        if name == IN_REAL_TIME:
+            return len(LONG) + 1
+        return LONG.index(name) if name in LONG else len(LONG)
+
+    items.sort(key=place)
 
 
 # Time limits of hypothesis say more about a busy machine than about the code.
