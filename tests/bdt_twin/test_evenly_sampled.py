@@ -7,6 +7,7 @@ from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel
 from bdt_twin.estimator import Estimate
 from bdt_twin.evenly_sampled import EvenlySampled
+from bdt_twin.next_fit import AcceptedFit
 from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
 
@@ -17,7 +18,7 @@ PROFILE = GapProfile(kind="constant", initial=float(np.deg2rad(8.0)))
 class Collecting:
     """An estimator that keeps what it gets."""
 
-    last_fit = "none"
+    last_fit = AcceptedFit(window=None, fit=None, estimate=Estimate(0.1, 0.01))
 
     def __init__(self):
         self.batches, self.restarts = [], 0
@@ -37,7 +38,7 @@ def test_even_batches_arrive_as_they_are():
     assert outer.update(rows).gap == 0.2
     assert outer.update(rows + np.array([1.0, 0.0, 0.0]), newest_only=True).gap == 0.1
     assert inner.batches[0] is rows
-    assert outer.last_fit == "none"
+    assert outer.last_fit is inner.last_fit
     assert outer.sampling.is_even
 
 

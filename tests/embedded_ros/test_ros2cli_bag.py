@@ -3,13 +3,13 @@
 import re
 import signal
 import subprocess
-import sys
 
 import pytest
 import yaml
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
+from ros2_commands import COMMAND, TIMEOUT_S, ros2_processes
 from rosbags.interfaces import (
     Qos,
     QosDurability,
@@ -23,8 +23,6 @@ from rosbags.typesys import Stores, get_typestore
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, String
 
-TIMEOUT_S = 120
-COMMAND = [sys.executable, "-c", "from ros2cli.cli import main; raise SystemExit(main())"]
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 STRING_HASH = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
@@ -46,14 +44,7 @@ def start(*words):
 
 def bag_all(*commands):
     """Run verbs of ``ros2 bag`` at the same time; output, errors and exit code of each."""
-    processes = [start(*words) for words in commands]
-    try:
-        return [
-            (*process.communicate(timeout=TIMEOUT_S), process.returncode) for process in processes
-        ]
-    finally:
-        for process in processes:
-            process.kill()
+    return ros2_processes(*(("bag", *map(str, words)) for words in commands))
 
 
 @pytest.fixture

@@ -1,13 +1,12 @@
 """The processes of a fleet: started, watched, started anew when they die, stopped."""
 
 import json
-import os
-import subprocess
 import sys
 import time
 from collections.abc import Sequence
 
 from bdt_bringup.fleet_plan import FleetTwin
+from bdt_bringup.node_process import start_guarded, stop_all
 from bdt_bringup.restart_policy import MOST_RESTARTS, PERIOD, RestartPolicy
 from bdt_msgs_py.command_errors import BAD_INPUT, FAILED, complain
 from bdt_msgs_py.process_end import ProcessEnd
@@ -81,13 +80,7 @@ class FleetProcess:
     def _start(self) -> None:
         self._due = None
         twins = json.dumps([(twin.namespace, twin.arguments) for twin in self._twins])
-        guard = [sys.executable, "-m", "bdt_bringup.child_node", str(os.getpid())]
-        self._process = subprocess.Popen(  # noqa: S603
-            [*guard, "bdt_bringup.fleet_worker", twins],
-            stdin=subprocess.DEVNULL,
-            # Ctrl-C in a terminal reaches `bdt twins` alone, which then stops the twins.
-            start_new_session=True,
-        )
+        self._process = start_guarded(["bdt_bringup.fleet_worker", twins])
         self._end = ProcessEnd(self._process)
 
 
@@ -115,8 +108,5 @@ def run_fleet(shares: Sequence[Sequence[FleetTwin]]) -> int:
                     return BAD_INPUT if set(ends) == {BAD_INPUT} else FAILED
                 time.sleep(LOOK)
         finally:
-            for process in processes:
-                process.interrupt()
-            for process in processes:
-                process.stop()
+            stop_all(processes)
     return 0

@@ -6,8 +6,42 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import IO, Protocol
 
 from bdt_msgs_py.process_end import ProcessEnd
+
+
+def start_guarded(
+    arguments: Sequence[str], log: IO[bytes] | None = None
+) -> subprocess.Popen[bytes]:
+    """Start a Python module that ends when this program has gone, however that went.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        The module, which has a ``main``, and what follows it on its command line.
+    log : file, optional
+        Takes standard output and error, which go where those of this program do without it.
+    """
+    guard = [sys.executable, "-m", "bdt_bringup.child_node", str(os.getpid())]
+    return subprocess.Popen(  # noqa: S603
+        [*guard, *arguments],
+        stdin=subprocess.DEVNULL,
+        # Ctrl-C in a terminal reaches this program alone, which then stops its children in order.
+        start_new_session=True,
+        stdout=log,
+        stderr=None if log is None else subprocess.STDOUT,
+    )
+
+
+class Stoppable(Protocol):
+    """A process that ends when it is asked to."""
+
+    def interrupt(self) -> None:
+        """Ask the process to end."""
+
+    def stop(self) -> object:
+        """End the process, with more force as time goes by."""
 
 
 class NodeProcess:
@@ -28,18 +62,9 @@ class NodeProcess:
     def __init__(self, name: str, module: str, ros_arguments: Sequence[str], log: Path) -> None:
         self.name = name
         self.log = log
-        guard = [sys.executable, "-m", "bdt_bringup.child_node", str(os.getpid()), module]
-        command = [*guard, "--ros-args", *ros_arguments]
         # What a node said before it was started anew is of interest.
         with log.open("ab") as output:
-            self._process = subprocess.Popen(  # noqa: S603
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                # Ctrl-C in a terminal reaches `bdt run` alone, which then stops the nodes in order.
-                start_new_session=True,
-            )
+            self._process = start_guarded([module, "--ros-args", *ros_arguments], output)
         self._end = ProcessEnd(self._process)
 
     @property
@@ -74,7 +99,7 @@ class NodeProcess:
         return self._end.wait()
 
 
-def stop_all(processes: Sequence[NodeProcess]) -> None:
+def stop_all(processes: Sequence[Stoppable]) -> None:
     """Interrupt all processes at once, then wait for each."""
     for process in processes:
         process.interrupt()

@@ -12,7 +12,7 @@ from bdt_twin.decision_loop import compiled_steps
 from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.machine_knowledge import MachineKnowledge
-from bdt_twin.next_fit import AcceptedFit
+from bdt_twin.next_fit import last_fit_of
 from bdt_twin.simulated_decision import SimulatedDecision
 
 FloatArray = NDArray[np.float64]
@@ -95,7 +95,7 @@ def _knowledge(estimator: Estimator) -> tuple[MachineKnowledge | None, float]:
 
     None and zero from an estimator that knows nothing of them.
     """
-    last_fit = getattr(estimator, "last_fit", None)
-    if not isinstance(last_fit, AcceptedFit):
+    last_fit = last_fit_of(estimator)
+    if last_fit is None:
         return None, 0.0
     return last_fit.fit.machine, last_fit.reading_noise

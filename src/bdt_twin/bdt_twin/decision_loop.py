@@ -4,7 +4,7 @@ Motor, play and structure are those of :mod:`bdt_plant`, the law is that of
 :mod:`bdt_controller.control_law`; here is nothing but the loop around them.
 """
 
-from functools import cache
+from functools import cache, lru_cache
 from importlib import import_module
 from typing import Any, NamedTuple
 
@@ -62,7 +62,8 @@ class Member(NamedTuple):
     noise: float = 0.0
 
 
-@cache
+# Steps have as many lengths as a loop has, and a twin runs for long.
+@lru_cache(maxsize=4)
 def noise_draws(count: int) -> FloatArray:
     """Return the noise of readings in standard deviations, the same each time, shape (count,)."""
     return np.random.default_rng(20_261_122).standard_normal(count)

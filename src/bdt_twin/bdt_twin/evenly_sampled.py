@@ -1,13 +1,12 @@
 """An estimator that gets even samples, whatever the telemetry is like."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.even_samples import EvenSamples, Sampling
 from bdt_twin.machine_memory import MachineRecollection
+from bdt_twin.next_fit import AcceptedFit, last_fit_of
 
 
 class EvenlySampled:
@@ -36,9 +35,9 @@ class EvenlySampled:
         return self._samples.sampling
 
     @property
-    def last_fit(self) -> Any:
+    def last_fit(self) -> AcceptedFit | None:
         """The estimator's last fit; None for one that has none."""
-        return getattr(self.estimator, "last_fit", None)
+        return last_fit_of(self.estimator)
 
     @property
     def recollection(self) -> MachineRecollection | None:

@@ -40,6 +40,12 @@ class AcceptedFit:
         return self.fit.levels.reading * math.sqrt(self.window.block)
 
 
+def last_fit_of(estimator: object) -> AcceptedFit | None:
+    """Return what the last window has taught an estimator; None from one that fits no model."""
+    last_fit = getattr(estimator, "last_fit", None)
+    return last_fit if isinstance(last_fit, AcceptedFit) else None
+
+
 def next_fit(
     window: WindowModel, last: Predecessor | None, machine: MachineMemory, growth_change: float
 ) -> tuple[WindowModel, Fit]:

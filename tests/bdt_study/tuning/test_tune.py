@@ -201,7 +201,18 @@ def test_bandwidth_and_rate_are_those_of_the_loop_to_come(tmp_path, monkeypatch,
     assert "bandwidth 10 rad/s, not 4" in printed["recommended"]["lacks"]
 
 
+@pytest.mark.parametrize("rate", ["fast", 0.0, 500, float("nan")])
+def test_a_rate_that_is_none_is_one_line(tmp_path, rate):
+    config = tmp_path / "start.yaml"
+    sections = {"/**/driver": {"ros__parameters": {"control_rate": rate}}}
+    config.write_text(yaml.safe_dump(sections), encoding="utf-8")
+    with pytest.raises(BadInputError, match=r"^--config: driver: control_rate = "):
+        run_tuning.run_tuning(options(tmp_path, config=config))
+
+
 def test_a_random_loop_runs_at_any_rate():
+    # 20 times 51.22, divided by 51.22, is not 20.
+    run_loop((PlantModel(),), [TODAY], 7, 51.22)
     (slow,) = run_loop((PlantModel(),), [TODAY], 7, 250.0)
     (usual,) = run_loop((PlantModel(),), [TODAY], 7, 500.0)
     assert slow.limit_cycles == usual.limit_cycles == 0

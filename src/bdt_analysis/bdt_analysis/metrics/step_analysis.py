@@ -105,8 +105,8 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
             SETTLING_BAND * step.height,
             step.length - step.window / 3,
         )
-    oscillation = find_oscillation(tail, sample_time)
-    cycle = has_limit_cycle(tail, oscillation, step.scale) if judged else None
+    oscillation = find_oscillation(tail, sample_time) if judged else None
+    cycle = has_limit_cycle(tail, oscillation, step.scale) if oscillation else None
     return StepSummary(
         t_start_s=step.t_start,
         reference_m=step.reference,
@@ -116,7 +116,7 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
         settling_time_s=settling,
         limit_cycle=cycle,
         limit_cycle_amplitude_m=0.5 * oscillation_peak_to_peak(tail, oscillation)
-        if cycle
+        if cycle and oscillation
         else None,
         limit_cycle_frequency_hz=oscillation_frequency(tail, sample_time) if cycle else None,
     )

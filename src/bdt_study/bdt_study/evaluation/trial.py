@@ -24,7 +24,7 @@ from bdt_twin.decision_settings import DecisionSettings
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.estimator_choice import EstimatorChoice, create_estimator
 from bdt_twin.inverse_filter import InverseFilterSettings
-from bdt_twin.next_fit import AcceptedFit
+from bdt_twin.next_fit import AcceptedFit, last_fit_of
 from bdt_twin.output_error_settings import OutputErrorSettings
 
 FloatArray = NDArray[np.float64]
@@ -100,8 +100,7 @@ class InstrumentedEstimator:
     @property
     def last_fit(self) -> AcceptedFit | None:
         """What the estimator knows of the mechanism; None from one that does not look at it."""
-        last_fit = getattr(self._estimator, "last_fit", None)
-        return last_fit if isinstance(last_fit, AcceptedFit) else None
+        return last_fit_of(self._estimator)
 
     def restart(self) -> None:
         """Forget everything; see :class:`bdt_twin.estimator.Estimator`."""

@@ -1,5 +1,6 @@
 """Random closed loops with a growing gap, each with all controllers that are compared."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -128,8 +129,8 @@ def run_loop(
         Rate of measurements [Hz].
     """
     scenario = draw_loop(CONDITIONS, models, seed)
-    # The samples between two measurements stay about as long.
-    samples = max(round(scenario.sampling.sampling_rate / control_rate), 1)
+    # Samples stay about as long. Times a power of two, any rate divides its product exactly.
+    samples = 2 ** max(round(math.log2(scenario.sampling.sampling_rate / control_rate)), 0)
     sampling = Sampling(sampling_rate=samples * control_rate, control_rate=control_rate)
     scenario = replace(scenario, sampling=sampling)
     inputs = sample_inputs(scenario)

@@ -17,7 +17,7 @@ from bdt_controller.pid import PidGains
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.output_files import not_writable, prepare_output
 from bdt_msgs_py.parameter_files import PARAMETERS_KEY
-from bdt_msgs_py.parameter_tables import parameter_sets
+from bdt_msgs_py.parameter_tables import check_value, known_parameters, parameter_sets
 from bdt_msgs_py.topics import CONTROLLER_NODE, DRIVER_NODE, PLANT_NODE, TWIN_NODE
 from bdt_plant.plant import Sampling
 from bdt_study.calibration.calibrated_configuration import nested
@@ -26,6 +26,7 @@ from bdt_study.tuning.mechanism_ranges import MechanismRanges, read_ranges
 from bdt_study.tuning.targets import Targets
 from bdt_study.tuning.tune import Tuner, Tuning
 from bdt_study.tuning.tuning_table import candidates_table, verdict
+from bdt_twin.decision_settings import DecisionSettings
 
 FEWEST = 10
 """Smallest number of random loops that says anything."""
@@ -154,15 +155,21 @@ def _targets(bandwidth: float | None, phase_margin: float | None) -> Targets:
 
 
 def _control_rate(configuration: Configuration | None) -> float:
-    """Return the rate of measurements [Hz]: the driver's, else that of the plant."""
-    values = configuration or {}
-    default = Sampling().control_rate
-    rates = [
-        values[node]["control_rate"]
-        for node in (DRIVER_NODE, PLANT_NODE)
-        if "control_rate" in values.get(node, {})
-    ]
-    return float(rates[0]) if rates else default
+    """Return the rate of measurements [Hz]: the driver's, else that of the plant.
+
+    Raises
+    ------
+    BadInputError
+        For one that is not allowed.
+    """
+    default, described = known_parameters((("", DecisionSettings),))["control_rate"]
+    for node in (DRIVER_NODE, PLANT_NODE):
+        rate = (configuration or {}).get(node, {}).get("control_rate")
+        if rate is not None:
+            # What a twin takes that simulates this loop; the driver's section is not checked yet.
+            check_value(f"--config: {node}: control_rate", rate, default, described)
+            return float(rate)
+    return Sampling().control_rate
 
 
 def _gains(configuration: Configuration | None) -> PidGains:
