@@ -17,6 +17,7 @@ from bdt_plant.plant import AT_REST, PlantModel, discretize_plant, plant_step
 from bdt_plant.structure import StructureParameters
 from bdt_study.design.linear_model import (
     closed_loop,
+    closed_loop_poles,
     frequency_response,
     is_stable,
     loop_transfer,
@@ -161,6 +162,23 @@ def test_a_discrete_response_lies_on_the_unit_circle():
     frequency = np.array([0.3, 3.0, 30.0])
     expected = 0.5 / (np.exp(0.1j * frequency) - 0.5)
     np.testing.assert_allclose(frequency_response(system, frequency), expected, rtol=1e-14)
+
+
+LOOPS = {
+    "continuous": loop_transfer(MODEL, GAINS),
+    "sampled": sampled_loop_transfer(MODEL, GAINS, 500.0),
+    "with feedthrough": pid_model(GAINS),
+    "without states": notch_model(NO_NOTCH),
+}
+
+
+@pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)
+def test_responses_and_poles_are_those_of_python_control(loop):
+    at = np.exp(1j * FREQUENCY * loop.dt) if loop.isdtime(strict=True) else 1j * FREQUENCY
+    np.testing.assert_allclose(frequency_response(loop, FREQUENCY), loop(at), rtol=1e-11)
+    expected = np.sort_complex(control.feedback(loop, 1).poles())
+    poles = np.sort_complex(closed_loop_poles(loop))
+    np.testing.assert_allclose(poles, expected, rtol=1e-7)
 
 
 @pytest.mark.parametrize(("gain", "stable"), [(1.0, True), (1.55, True), (1.60, False)])

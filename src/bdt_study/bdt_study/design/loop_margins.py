@@ -9,7 +9,7 @@ from control import StateSpace
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from bdt_study.design.linear_model import closed_loop, frequency_response, is_stable
+from bdt_study.design.linear_model import closed_loop_poles, frequency_response, is_stable
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -82,7 +82,6 @@ def loop_margins(loop: StateSpace) -> LoopMargins:
         L, with one input and one output, in continuous or discrete time.
     """
     frequency = characteristic_frequencies(loop)
-    # Once for all that is looked for: python-control solves for each frequency by itself.
     values = frequency_response(loop, frequency)
 
     def value(at: float) -> complex:
@@ -139,7 +138,7 @@ def characteristic_frequencies(loop: StateSpace, points: int = 3000) -> FloatArr
     ndarray, shape (n,)
         Increasing angular frequencies [rad/s], below the Nyquist frequency in discrete time.
     """
-    poles = np.concatenate([loop.poles(), closed_loop(loop).poles()])
+    poles = np.concatenate([loop.poles(), closed_loop_poles(loop)])
     discrete = loop.isdtime(strict=True)
     if discrete:
         # A pole at z = 0 is a delay and has no frequency of its own.
