@@ -21,6 +21,9 @@ _spec.loader.exec_module(_ros_domain)
 os.environ["ROS_DOMAIN_ID"] = str(_ros_domain.claim_domain())
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 
+# As the command does: there are as many test processes as processors.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # In the background of a script Ctrl-C is ignored, also in the programs that a test starts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 

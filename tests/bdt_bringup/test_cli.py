@@ -8,7 +8,7 @@ from importlib.util import find_spec
 
 import pytest
 
-from bdt_bringup.cli import run_command
+from bdt_bringup.cli import main, run_command
 from bdt_msgs_py.command_errors import BAD_INPUT
 from bdt_msgs_py.topics import REFERENCE
 
@@ -52,6 +52,14 @@ def test_help_imports_nothing_that_computes_or_talks(arguments):
     imported = done.stderr.split()
     assert "bdt_bringup" in imported
     assert HEAVY.isdisjoint(imported)
+
+
+@pytest.mark.parametrize(("before", "then"), [(None, "1"), ("4", "4")])
+def test_linear_algebra_gets_one_thread_unless_somebody_wants_more(monkeypatch, before, then):
+    monkeypatch.setattr(os, "environ", {} if before is None else {"OPENBLAS_NUM_THREADS": before})
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert os.environ == {"OPENBLAS_NUM_THREADS": then}
 
 
 @pytest.fixture(scope="module")

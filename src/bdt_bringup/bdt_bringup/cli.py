@@ -1,6 +1,7 @@
 """The command ``bdt``: finds its subcommands in the packages that are installed."""
 
 import argparse
+import os
 import sys
 from collections.abc import Mapping, Sequence
 from typing import Never
@@ -20,6 +21,9 @@ from bdt_msgs_py.commands import Command
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command and end the process with its exit code."""
+    # Matrices have some ten rows here: threads of a linear-algebra library would only wait for
+    # each other, on a busy computer for seconds.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     with quiet_when_nobody_reads():
         sys.exit(run_command(arguments))
 
