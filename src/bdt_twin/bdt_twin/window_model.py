@@ -118,15 +118,22 @@ class WindowModel:
                 1.0 / self.sampling_rate,
                 slow,
             )
-            times = np.arange(stretch.voltage.size) / self.sampling_rate
-            reading = run.position + beginning[1] + effect["drift"] * times
-            reading -= effect["delay"] * self._slope(run.position)
+            reading = run.position + beginning[1]
+            if effect["drift"]:
+                reading += effect["drift"] * (np.arange(reading.size) / self.sampling_rate)
+            if effect["delay"]:
+                reading -= effect["delay"] * self._slope(run.position)
             responses.append(run._replace(position=reading))
         return responses
 
     def _slope(self, position: FloatArray) -> FloatArray:
         """Return the velocity [m/s] of a position at its samples."""
-        slope: FloatArray = np.gradient(position) * self.sampling_rate
+        # What numpy.gradient gives, which takes four times as long.
+        slope = np.empty(position.size)
+        np.subtract(position[2:], position[:-2], out=slope[1:-1])
+        slope[1:-1] *= 0.5
+        slope[0], slope[-1] = position[1] - position[0], position[-1] - position[-2]
+        slope *= self.sampling_rate
         return slope
 
     def jacobian(self, unknowns: Unknowns, responses: list[StretchResponse]) -> FloatArray:
