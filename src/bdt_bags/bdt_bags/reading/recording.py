@@ -17,6 +17,7 @@ from bdt_bags.reading.joint_positions import (
     voltage_offset_requests,
 )
 from bdt_bags.reading.marks import recorded_marks
+from bdt_bags.reading.missing_data import has_parameter_events, missing_data
 from bdt_bags.reading.parameter_log import (
     diagnosed_dead_zones,
     parameter_changes,
@@ -32,7 +33,7 @@ from bdt_bags.reading.recording_clock import (
     on_telemetry_clock,
 )
 from bdt_bags.reading.run_selection import select_run
-from bdt_bags.reading.sample_rows import SampleRows, ordered_rows, rows_of_messages
+from bdt_bags.reading.sample_rows import ordered_rows, rows_of_messages
 from bdt_bags.reading.stray_messages import without_strays
 from bdt_bags.reading.topic_selection import TopicSelection
 from bdt_bags.reading.twin_decisions import TwinDecision, recorded_decisions
@@ -60,16 +61,6 @@ EPOCH_TIMES = 1e8
 
 SHORTEST_SAMPLE_TIME = 1e-9
 """Telemetry is not sampled faster than this [s]."""
-
-WITHOUT = {
-    TELEMETRY: "samples are those of measurement and command",
-    MEASUREMENT: "the timing of the loop is that of telemetry",
-    COMMAND: "latency unknown",
-    REFERENCE: "no step is judged",
-    TRUTH: "error of the estimate unknown",
-    BACKLASH_ESTIMATE: "delay of reconfigurations unknown",
-}
-"""What the analysis says when a topic is missing."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -210,7 +201,7 @@ def load_recording(
         batches=sent,
         message_counts=bag.message_counts,
         left_out={name: len(times) for name, times in sorted(bag.left_out.items())},
-        missing=_missing(bag, samples),
+        missing=missing_data(bag, samples),
     )
 
 
@@ -242,34 +233,6 @@ def _check_sampling(bag: RawBag, source: Topic, telemetry: FloatArray) -> None:
         )
 
 
-def _missing(bag: RawBag, samples: SampleRows) -> tuple[str, ...]:
-    lines = [
-        f"no {topic.name}: {text}" for topic, text in WITHOUT.items() if topic not in bag.topics
-    ]
-    if not _has_parameter_events(bag):
-        known = DIAGNOSTICS in bag.topics
-        lines.append(
-            "no parameter_events: number of reconfigurations unknown"
-            if known
-            else "neither parameter events nor diagnostics: dead zone unknown"
-        )
-    lost = len(samples.times) - len(samples.rows)
-    if lost:
-        lines.append(f"{lost} of {len(samples.times)} samples are not finite")
-    for name, times in sorted(bag.left_out.items()):
-        one = len(times) == 1
-        what, why = (
-            ("message", "is left out: it fits") if one else ("messages", "are left out: they fit")
-        )
-        lines.append(f"{len(times)} {what} of {name} {why} into no run")
-    return tuple(lines)
-
-
-def _has_parameter_events(bag: RawBag) -> bool:
-    """Tell whether the topic was recorded, be it without a message."""
-    return PARAMETER_EVENTS in bag.topics or PARAMETER_EVENTS.name in bag.message_counts
-
-
 def _truth(bag: RawBag, origin: float) -> FloatArray | None:
     if TRUTH not in bag.topics:
         return None
@@ -299,5 +262,5 @@ def _dead_zone_log(
         rows = np.array([(t, value) for t, (_, value) in zip(when, seen, strict=True)])
         rows = rows.reshape(-1, 2)
         changes = np.concatenate([value_changes(rows), changes])
-    count = sum(not change.initial for change in log) if _has_parameter_events(bag) else None
+    count = sum(not change.initial for change in log) if has_parameter_events(bag) else None
     return changes[np.argsort(changes[:, 0], kind="stable")], count
