@@ -5,6 +5,7 @@ from dataclasses import fields
 import pytest
 
 from bdt_bringup.installed import PACKAGE_OF_NODE, parameter_table
+from bdt_msgs_py.parameter_tables import known_parameters
 from bdt_msgs_py.quantities import quantities_of
 
 TABLES = {node: parameter_table(node) for node in PACKAGE_OF_NODE}
@@ -48,24 +49,27 @@ def test_every_number_has_both_bounds(declared):
             assert quantity.maximum is not None, name
 
 
+def reconfigurable(node):
+    known = known_parameters(TABLES[node])
+    return {name for name, (_, quantity) in known.items() if quantity.reconfigurable}
+
+
 def test_what_tunes_the_running_loop_can_be_reconfigured():
-    reconfigurable = {
-        name
-        for _, kind in TABLES["controller"]
-        for name, _, quantity in quantities_of(kind)
-        if quantity.reconfigurable
-    }
-    assert reconfigurable == {
+    assert reconfigurable("controller") == {
         "dead_zone_tolerance",
         "voltage_offset",
-        "first",
-        "second",
-        "step_time",
-        "proportional",
-        "integral",
-        "derivative",
-        "filter_time",
-        "frequency",
-        "zero_damping",
-        "pole_damping",
+        "reference.first",
+        "reference.second",
+        "reference.step_time",
+        "pid.proportional",
+        "pid.integral",
+        "pid.derivative",
+        "pid.filter_time",
+        "notch.frequency",
+        "notch.zero_damping",
+        "notch.pole_damping",
     }
+
+
+def test_what_the_twin_knows_of_plant_and_controller_stays_while_it_runs():
+    assert reconfigurable("twin") == {"reconfigure", "compensate_offset", "communication_delay"}

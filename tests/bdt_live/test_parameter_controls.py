@@ -49,8 +49,9 @@ def test_switches_choices_and_texts():
     assert control_of(Description("name"), "x")["kind"] == "text"
 
 
-def test_what_is_read_only_or_a_list_is_shown_and_not_offered():
+def test_what_is_read_only_a_list_or_of_ros_itself_is_not_offered():
     assert control_of(Description("mass", read_only=True), 5.2)["kind"] == "fixed"
+    assert control_of(Description("use_sim_time"), True)["kind"] == "fixed"
     assert control_of(Description("table"), (1.0, 2.0)) == {
         "name": "table",
         "value": [1.0, 2.0],

@@ -26,8 +26,8 @@ WEAR_TIME = 60.0
 OF_TIME = ("pace", "pause_at")
 """Parameters that a preset leaves alone."""
 
-READ_AT_START = ("pid.", "notch.", "redesign.", "motor.")
-"""Beginnings of parameters that a twin has from its start."""
+SETS_DEAD_ZONE = "reconfigure"
+"""Parameter of a twin: whether it sets the controller's dead zone."""
 
 Answer = Callable[[str | None], None]
 
@@ -104,15 +104,29 @@ class LoopControl:
             answer(str(error))
             return
         changes[PLANT_NODE]["gap.begin_time"] = self._time()
-        # The twin first: one that stops must not set what the controller gets after it.
-        waiting = [node for node in (TWIN_NODE, CONTROLLER_NODE, PLANT_NODE) if changes[node]]
+        twin = changes[TWIN_NODE]
+        # Meanwhile the twin leaves the dead zone alone: it would set another one than the figure
+        # begins with, and warn of somebody else who sets it.
+        steps = [
+            (TWIN_NODE, {**twin, SETS_DEAD_ZONE: False} if twin else {}),
+            (CONTROLLER_NODE, changes[CONTROLLER_NODE]),
+            (PLANT_NODE, changes[PLANT_NODE]),
+            (TWIN_NODE, {SETS_DEAD_ZONE: True} if twin.get(SETS_DEAD_ZONE) else {}),
+        ]
+        self._set_in_turn([(node, values) for node, values in steps if values], answer)
+
+    def _set_in_turn(self, steps: list[tuple[str, dict[str, Any]]], answer: Answer) -> None:
+        """Set parameters of one node after the other; the answer is the first reason why not."""
+        reasons: list[str] = []
 
         def go_on(reason: str | None) -> None:
-            if reason is not None or not waiting:
-                answer(reason)
+            if reason is not None:
+                reasons.append(reason)
+            if not steps:
+                answer(reasons[0] if reasons else None)
                 return
-            node = waiting.pop(0)
-            self._parameters[node].set(changes[node], go_on)
+            node, values = steps.pop(0)
+            self._parameters[node].set(values, go_on)
 
         go_on(None)
 
@@ -121,7 +135,5 @@ class LoopControl:
         return {
             name: configuration.value(node, name)
             for name in self._parameters[node].reconfigurable
-            if name in known
-            and name not in OF_TIME
-            and not (node == TWIN_NODE and name.startswith(READ_AT_START))
+            if name in known and name not in OF_TIME
         }

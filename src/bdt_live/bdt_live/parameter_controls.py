@@ -5,6 +5,8 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from bdt_msgs_py.parameter_files import ROS_PARAMETERS
+
 UNIT = re.compile(r"^(?P<text>.*?)(?: \[(?P<unit>[^\[\]]*)\])?$", re.DOTALL)
 
 SPREAD = 1000.0
@@ -79,7 +81,9 @@ def control_of(described: Description, value: Any) -> dict[str, Any]:
         "text": text,
         "allowed": described.constraints,
     }
-    if described.read_only or isinstance(control["value"], list):
+    # ROS calls its own parameters no read-only ones; a loop whose clock is taken away stands still.
+    is_fixed = described.read_only or described.name in ROS_PARAMETERS
+    if is_fixed or isinstance(control["value"], list):
         return {**control, "kind": "fixed"}
     if isinstance(value, bool):
         return {**control, "kind": "switch"}

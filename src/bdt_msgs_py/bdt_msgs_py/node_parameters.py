@@ -16,7 +16,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from bdt_msgs_py.command_errors import BadInputError
-from bdt_msgs_py.parameter_tables import ParameterTable, full_name
+from bdt_msgs_py.parameter_tables import ParameterTable, ReadAtStart, full_name
 from bdt_msgs_py.quantities import Quantity, check, quantities_of
 
 Parameters = TypeVar("Parameters")
@@ -34,7 +34,8 @@ def declare(node: Node, prefix: str, parameters: type[Parameters]) -> Parameters
     node : rclpy.node.Node
         Node that gets the parameters.
     prefix : str
-        For example ``motor`` for parameters named ``motor.inductance``; may be empty.
+        For example ``motor`` for parameters named ``motor.inductance``; may be empty. Below a
+        :class:`ReadAtStart` all are read-only.
     parameters : type
         Dataclass whose fields are quantities, each with a default.
 
@@ -47,10 +48,10 @@ def declare(node: Node, prefix: str, parameters: type[Parameters]) -> Parameters
     for name, default, described in quantities_of(parameters):
         parameter = full_name(prefix, name)
         initial = list(default) if isinstance(default, tuple) else default
+        descriptor = _descriptor(default, described)
+        descriptor.read_only = isinstance(prefix, ReadAtStart) or not described.reconfigurable
         try:
-            value = node.declare_parameter(
-                parameter, initial, _descriptor(default, described)
-            ).value
+            value = node.declare_parameter(parameter, initial, descriptor).value
         except ParameterException as error:
             given = _override(node, parameter)
             raise ConfigurationError(
@@ -202,7 +203,6 @@ def _descriptor(default: Any, described: Quantity) -> ParameterDescriptor:
     descriptor = ParameterDescriptor(
         description=described.description + unit,
         additional_constraints=described.allowed(),
-        read_only=not described.reconfigurable,
     )
     low, high = described.minimum, described.maximum
     if low is None or high is None:

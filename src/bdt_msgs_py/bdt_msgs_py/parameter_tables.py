@@ -6,12 +6,19 @@ option or a bag looks into the same table here.
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from difflib import get_close_matches
 from typing import Any
 
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.quantities import Quantity, check, quantities_of
+
+
+class ReadAtStart(str):
+    """Prefix of what a node takes when it starts and not later, though another node might."""
+
+    __slots__ = ()
+
 
 ParameterTable = Sequence[tuple[str, type[Any]]]
 """Prefixes and dataclasses, in the order in which a node declares them."""
@@ -20,7 +27,12 @@ ParameterTable = Sequence[tuple[str, type[Any]]]
 def known_parameters(table: ParameterTable) -> dict[str, tuple[Any, Quantity]]:
     """Return default and quantity of every parameter of a table by flat name."""
     return {
-        full_name(prefix, name): (default, described)
+        full_name(prefix, name): (
+            default,
+            replace(described, reconfigurable=False)
+            if isinstance(prefix, ReadAtStart)
+            else described,
+        )
         for prefix, kind in table
         for name, default, described in quantities_of(kind)
     }

@@ -2,6 +2,7 @@
 
 from bdt_controller.notch import NotchFilter
 from bdt_controller.pid import PidGains
+from bdt_msgs_py.parameter_tables import ReadAtStart
 from bdt_plant.lead_screw import LeadScrewParameters
 from bdt_plant.motor import MotorParameters
 from bdt_plant.structure import StructureParameters
@@ -20,13 +21,13 @@ PARAMETERS = (
     ("estimator", EstimatorChoice),
     ("estimator", InverseFilterSettings),
     ("output_error", OutputErrorSettings),
-    ("motor", MotorParameters),
+    (ReadAtStart("motor"), MotorParameters),
     ("lead_screw", LeadScrewParameters),
     ("structure", StructureParameters),
     ("decision", DecisionSettings),
-    ("pid", PidGains),
-    ("notch", NotchFilter),
-    ("redesign", PidGains),
-    ("redesign", NotchFilter),
+    (ReadAtStart("pid"), PidGains),
+    (ReadAtStart("notch"), NotchFilter),
+    (ReadAtStart("redesign"), PidGains),
+    (ReadAtStart("redesign"), NotchFilter),
 )
 """Prefix and dataclass, in the order in which the node declares them."""

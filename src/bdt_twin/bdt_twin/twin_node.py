@@ -42,7 +42,6 @@ from bdt_twin.parameters import PARAMETERS
 from bdt_twin.reconfiguration import Reconfigurator
 from bdt_twin.telemetry_intake import TelemetryIntake
 
-READ_AT_START = ("pid.", "notch.", "redesign.", "motor.")
 BOUNDED = "the gap is too uncertain: dead_zone.largest_growth bounds the dead zone"
 
 
@@ -200,9 +199,6 @@ class TwinNode(Node):
     # Reconfiguration -----------------------------------------------------------------------
 
     def _check_parameters(self, changes: list[Parameter]) -> SetParametersResult:
-        read_once = [each.name for each in changes if each.name.startswith(READ_AT_START)]
-        if read_once:
-            return rejected(f"{read_once[0]} is read when the twin starts")
         try:
             reconfigured(self._settings, "", changes)
             reconfigured(self._link_settings, "", changes)
