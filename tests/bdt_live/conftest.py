@@ -3,7 +3,6 @@
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -11,6 +10,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from queue import Empty, Queue
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -47,13 +47,13 @@ class LiveProgram:
         output: Path,
         *arguments: str,
         domain: int,
-        port: int | None = None,
+        port: int = 0,
         is_awaited: bool = True,
     ) -> None:
-        self.output, self.domain, self.port = output, domain, port or free_port()
+        self.output, self.domain = output, domain
         self._environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
         command = [sys.executable, "-m", "bdt_bringup.program", "live", "--output", str(output)]
-        command += ["--port", str(self.port)]
+        command += ["--port", str(port)]
         self.process = subprocess.Popen(
             [*command, *arguments],
             stdout=subprocess.PIPE,
@@ -74,6 +74,7 @@ class LiveProgram:
         threading.Thread(target=read, daemon=True).start()
         try:
             self.address = lines.get(timeout=DEADLINE)
+            self.port = urlsplit(self.address).port
         except Empty:
             self.end()
             raise AssertionError(f"no address within {DEADLINE} s") from None
@@ -97,13 +98,6 @@ class LiveProgram:
         self.process.send_signal(signal.SIGINT)
         self.process.wait(timeout=DEADLINE)
         return self.process.stderr.read()
-
-
-def free_port() -> int:
-    """Return a port of this computer that nobody listens on."""
-    with socket.socket() as listening:
-        listening.bind(("127.0.0.1", 0))
-        return listening.getsockname()[1]
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ def password_file(tmp_path):
 @pytest.mark.parametrize(
     ("options", "complaint"),
     [
-        (["--port", "0"], "--port 0: must be 1 to 65535"),
+        (["--port", "65536"], "--port 65536: must be 0 to 65535"),
         (["--host", "10.0.0.1"], "--host and --password-file: must be given together"),
         (["--password-file", "x"], "--host and --password-file: must be given together"),
         (["--host", "10.0.0.1", "--password-file", "/none"], "--password-file /none: "),

@@ -63,7 +63,7 @@ def run_live(settings: LiveSettings, access: Access) -> int:
     settings : LiveSettings
         What to show.
     access : Access
-        Where, and to whom.
+        Where, and to whom; with port 0 any port that is free.
 
     Returns
     -------
@@ -77,16 +77,18 @@ def run_live(settings: LiveSettings, access: Access) -> int:
     LoopError
         If the process behind the page has ended.
     """
-    _check_port(access)
-    create_folder(settings.output)
-    supervisor = Supervisor(settings.plan) if settings.plan else None
-    try:
-        if supervisor:
-            supervisor.start_all()
-        asyncio.run(_Session(settings, access, supervisor).run())
-    finally:
-        if supervisor:
-            supervisor.stop()
+    # A port that is taken is refused before anything is started for it.
+    with _listening(access) as listening:
+        access = replace(access, port=listening.getsockname()[1])
+        create_folder(settings.output)
+        supervisor = Supervisor(settings.plan) if settings.plan else None
+        try:
+            if supervisor:
+                supervisor.start_all()
+            asyncio.run(_Session(settings, access, supervisor).run(listening))
+        finally:
+            if supervisor:
+                supervisor.stop()
     return 0
 
 
@@ -106,7 +108,7 @@ class _Session:
         self._reporting: set[asyncio.Task[None]] = set()
         self._fault = ""
 
-    async def run(self) -> None:
+    async def run(self, listening: socket.socket) -> None:
         stopped = asyncio.Event()
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -116,7 +118,8 @@ class _Session:
         runner = web.AppRunner(server.application(), access_log=None, shutdown_timeout=1.0)
         await runner.setup()
         try:
-            await self._serve(runner)
+            await web.SockSite(runner, listening).start()
+            await self._tell_address()
             while not stopped.is_set():
                 self._look()
                 try:
@@ -134,14 +137,7 @@ class _Session:
     def _reports(self) -> Path:
         return self._settings.output / "reports"
 
-    async def _serve(self, runner: web.AppRunner) -> None:
-        host, port = self._access.host, self._access.port
-        try:
-            await web.TCPSite(runner, host, port).start()
-        except OSError as error:
-            raise BadInputError(
-                f"--port {port}: cannot listen on {host}: {error.strerror}"
-            ) from error
+    async def _tell_address(self) -> None:
         print(f"{self._access.address}\nCtrl-C ends it", flush=True)
         if self._settings.open_browser:
             await asyncio.to_thread(webbrowser.open, self._access.address)
@@ -213,10 +209,10 @@ class _Session:
         self._viewers.tell(json.dumps({"type": "report", "bag": bag, "reason": reason}))
 
 
-def _check_port(access: Access) -> None:
-    """Refuse a port that is taken before anything is started for it."""
+def _listening(access: Access) -> socket.socket:
+    family = socket.AF_INET6 if ":" in access.host else socket.AF_INET
     try:
-        socket.create_server((access.host, access.port)).close()
+        return socket.create_server((access.host, access.port), family=family)
     except OSError as error:
         raise BadInputError(
             f"--port {access.port}: cannot listen on {access.host}: {error.strerror}"

@@ -28,7 +28,11 @@ def _add_arguments(parser: ArgumentParser) -> None:
     source.add_argument("--bag", type=Path, metavar="BAG", help="play a bag back")
     parser.add_argument("--namespace", metavar="NAME", help="namespace of the loop")
     parser.add_argument(
-        "--port", type=int, default=DEFAULT_PORT, metavar="N", help="port (default: %(default)s)"
+        "--port",
+        type=int,
+        default=DEFAULT_PORT,
+        metavar="N",
+        help="port, 0 for any that is free (default: %(default)s)",
     )
     parser.add_argument(
         "--host", metavar="ADDRESS", help="address to listen on, for other computers as well"
@@ -84,8 +88,8 @@ def _output(options: Namespace, what: str) -> Path:
 
 
 def _port(port: int) -> int:
-    if not 1 <= port <= 65535:
-        raise BadInputError(f"--port {port}: must be 1 to 65535")
+    if not 0 <= port <= 65535:
+        raise BadInputError(f"--port {port}: must be 0 to 65535")
     return port
 
 

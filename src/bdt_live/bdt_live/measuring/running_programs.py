@@ -45,8 +45,7 @@ async def python(*arguments: str, stdout: int = PIPE) -> AsyncIterator[Process]:
 @asynccontextmanager
 async def server(folder: Path, *arguments: str) -> AsyncIterator[tuple[str, int]]:
     """Run ``bdt live``; give its address and its process."""
-    port = 20_000 + os.getpid() % 20_000
-    options = ["--port", str(port), "--output", str(folder)]
+    options = ["--port", "0", "--output", str(folder)]
     async with python("-m", "bdt_bringup.program", "live", *options, *arguments) as process:
         yield await line_of(process), process.pid
 
