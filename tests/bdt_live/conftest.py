@@ -130,19 +130,13 @@ def beside(tmp_path: Path) -> Iterator[Callable[..., LiveProgram]]:
 def page(browser: Any, live_loop: LiveProgram) -> Iterator[Any]:
     """Return the browser with the page of the loop, once the loop moves."""
     browser.events.clear()
-    browser.command(
-        "Emulation.setDeviceMetricsOverride",
-        width=1500,
-        height=950,
-        deviceScaleFactor=1,
-        mobile=False,
-    )
+    browser.resize(1500, 950)
     kept = browser.command("Page.addScriptToEvaluateOnNewDocument", source=KEEP_SOCKETS)
-    browser.command("Page.navigate", url=live_loop.address)
+    browser.go(live_loop.address)
     browser.wait_for("document.getElementById('state')?.dataset.word === 'ok'")
     browser.wait_for("document.getElementById('twin.reconfigure') !== null")
     browser.wait_for("document.getElementById('plant.gap.initial') !== null")
     yield browser
     browser.command("Page.removeScriptToEvaluateOnNewDocument", **kept)
     # Or it would draw until the last test of all files.
-    browser.command("Page.navigate", url="about:blank")
+    browser.go("about:blank")

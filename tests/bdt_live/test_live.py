@@ -37,8 +37,7 @@ def test_what_cannot_be_is_one_line(options, complaint, password_file, capsys):
     assert said.count("\n") == 1
 
 
-def test_a_loop_that_runs_already_is_attached_to(live_loop, beside, page):
-    del page  # the loop moves
+def test_a_loop_that_runs_already_is_attached_to(live_loop, beside):
     program = beside("--attach", domain=live_loop.domain)
 
     async def first_frame():

@@ -2,15 +2,12 @@
 
 import mmap
 import os
-import socket
 import subprocess
 import sys
-import time
 
 import pytest
 
 from bdt_live.measuring.process_load import (
-    connections_to,
     growth,
     memory_of,
     processor_time_of,
@@ -52,16 +49,6 @@ def test_a_process_that_has_ended_holds_nothing(child):
 def test_the_processor_s_time_is_that_of_the_process():
     times = os.times()
     assert processor_time_of(os.getpid()) == pytest.approx(times.user + times.system, abs=0.1)
-
-
-def test_connections_are_counted_at_their_port():
-    with socket.create_server(("127.0.0.1", 0)) as listening:
-        port = listening.getsockname()[1]
-        assert connections_to(port) == 0
-        with socket.create_connection(("127.0.0.1", port)):
-            deadline = time.monotonic() + 60.0
-            while connections_to(port) != 1:
-                assert time.monotonic() < deadline
 
 
 @pytest.mark.parametrize(

@@ -15,14 +15,14 @@ from bdt_study.benchmarks import bench
 from bdt_study.benchmarks.bench import BENCHMARKS, run_benchmarks
 from bdt_study.benchmarks.c_loop import KEPT, NoCompilerError, build_c_loop, c_loop_call
 from bdt_study.benchmarks.python_control_loop import interconnected_loop, step_response
-from bdt_study.benchmarks.result import BenchmarkSize
+from bdt_study.benchmarks.result import BenchmarkResult, BenchmarkSize, missed_targets
 from bdt_study.simulation.closed_loop import Scenario, discrete_loop, sample_inputs, simulate
 from bdt_study.simulation.loop_model import loop_at_rest
 
 TINY = BenchmarkSize(
     duration=0.5, python_control_duration=0.02, repeats=2, batch=1, messages=100, loop_duration=1.0
 )
-FIELDS = {"name", "value", "unit", "reference", "reference_value", "ratio"}
+FIELDS = {"name", "value", "unit", "reference", "reference_value", "ratio", "target"}
 
 
 WITH_PROCESSES = (
@@ -113,6 +113,43 @@ def test_an_unknown_benchmark_is_one_line_and_exit_code_two(capsys):
     err = capsys.readouterr().err
     assert err.startswith("error: benchmark 'no_such': must be one of ")
     assert err.count("\n") == 1
+
+
+def judged(value, target="at most"):
+    return BenchmarkResult("speed", value, "ms", "", 10.0, value / 10.0, target)
+
+
+def test_a_target_is_met_at_its_limit_and_missed_beyond():
+    assert missed_targets([judged(10.0), judged(10.0, "at least"), judged(99.0, "")]) == []
+    assert missed_targets([judged(10.1)]) == ["speed: 10.1 ms: must be at most 10"]
+    assert missed_targets([judged(9.9, "at least")]) == ["speed: 9.9 ms: must be at least 10"]
+
+
+def test_what_is_not_a_number_misses_its_target():
+    assert len(missed_targets([judged(math.nan), judged(math.nan, "at least")])) == 2
+
+
+@pytest.mark.parametrize(
+    ("results", "code", "complaint"),
+    [
+        ([judged(1.0), judged(99.0, "")], 0, ""),
+        (
+            [judged(11.0), judged(1.0, "at least")],
+            1,
+            "error: speed: 11 ms: must be at most 10\nerror: speed: 1 ms: must be at least 10\n",
+        ),
+        ([judged(11.0, "")], 2, "error: --check: none of these benchmarks has a target\n"),
+    ],
+)
+def test_a_check_complains_of_each_target_that_is_missed(
+    results, code, complaint, monkeypatch, capsys
+):
+    monkeypatch.setitem(BENCHMARKS, "speed", lambda _size: results)
+    assert run_command(["bench", "speed", "--check"]) == code
+    told = capsys.readouterr()
+    assert told.err == complaint
+    assert "at most 10" in told.out or not any(each.target for each in results)
+    assert run_command(["bench", "speed"]) == 0
 
 
 def test_the_command_prints_the_results_as_a_table(capsys):

@@ -1,4 +1,4 @@
-"""What processes cost, from /proc: memory, time of the processor, connections."""
+"""What processes cost, from /proc: memory and time of the processor."""
 
 import os
 import re
@@ -8,9 +8,6 @@ from statistics import median
 
 ENDED = (FileNotFoundError, ProcessLookupError)
 """What reading of a process raises that has ended meanwhile, as parts of a browser do."""
-
-ESTABLISHED = "01"
-"""A connection that is open, in /proc/net/tcp."""
 
 
 def tree_of(process: int) -> list[int]:
@@ -37,12 +34,6 @@ def processor_time_of(process: int) -> float:
     """Return user and system time of a process [s]."""
     fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def connections_to(port: int) -> int:
-    """Return how many connections a port of this computer's IPv4 loopback has."""
-    rows = (row.split() for row in Path("/proc/net/tcp").read_text().splitlines()[1:])
-    return sum(row[1].endswith(f":{port:04X}") and row[3] == ESTABLISHED for row in rows)
 
 
 def growth(samples: list[int]) -> float:

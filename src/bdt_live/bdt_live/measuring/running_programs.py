@@ -2,7 +2,6 @@
 
 import asyncio
 import os
-import shutil
 import signal
 import sys
 import tempfile
@@ -11,9 +10,13 @@ from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 
-from bdt_live.measuring.process_load import connections_to
+from bdt_live.measuring.chromium import NAMES, Chromium, find_chromium
+from bdt_msgs_py.command_errors import BadInputError
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+SCREEN = (1920, 1080)
+IS_THERE = "document.getElementById('plant.gap.initial') !== null"
+"""Whether a page has the sliders of a plant."""
+
 START = 60.0
 """Wall time [s] in which a program has to be there."""
 
@@ -28,10 +31,17 @@ def environment() -> dict[str, str]:
 
 
 @asynccontextmanager
-async def python(*arguments: str, stdout: int = PIPE) -> AsyncIterator[Process]:
+async def python(
+    *arguments: str, stdout: int = PIPE, stderr: int | None = None
+) -> AsyncIterator[Process]:
     """Run Python with some arguments, and end it as Ctrl-C does."""
     process = await asyncio.create_subprocess_exec(
-        sys.executable, *arguments, env=environment(), stdin=DEVNULL, stdout=stdout
+        sys.executable,
+        *arguments,
+        env=environment(),
+        stdin=DEVNULL,
+        stdout=stdout,
+        stderr=stderr,
     )
     try:
         yield process
@@ -67,36 +77,30 @@ async def line_of(process: Process) -> str:
 
 
 @asynccontextmanager
-async def browsers(address: str, count: int) -> AsyncIterator[Sequence[int]]:
-    """Open the page in browsers without a window; give their processes, none without a browser."""
-    binary = next((found for found in map(shutil.which, BROWSERS) if found), None)
-    port = int(address.partition("/?")[0].rpartition(":")[2])
+async def browsers(
+    address: str, count: int, niceness: int = 0
+) -> AsyncIterator[Sequence[Chromium]]:
+    """Open the page in browsers without a window, of the size of a screen on the wall.
+
+    Raises
+    ------
+    BadInputError
+        If there is no browser.
+    """
+    binary = find_chromium()
+    if binary is None:
+        raise BadInputError(f"needs a browser: none of {', '.join(NAMES)} is on the PATH")
     async with AsyncExitStack() as stack:
-        processes = []
-        for _ in range(count if binary else 0):
+        opened = []
+        for _ in range(count):
             # A browser that ends still writes into its profile.
             profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
-            stack.enter_context(profile)
-            processes.append(await stack.enter_async_context(_browser(binary, profile, address)))
-        end = asyncio.get_running_loop().time() + START
-        while connections_to(port) < len(processes):
-            if asyncio.get_running_loop().time() > end:
-                raise RuntimeError(f"no {len(processes)} pages are open within {START:g} s")
-            await asyncio.sleep(0.2)
-        yield [process.pid for process in processes]
-
-
-@asynccontextmanager
-async def _browser(
-    binary: str | None, profile: "tempfile.TemporaryDirectory[str]", address: str
-) -> AsyncIterator[Process]:
-    options = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={profile.name}"]
-    process = await asyncio.create_subprocess_exec(
-        str(binary), *options, address, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL
-    )
-    os.setpriority(os.PRIO_PROCESS, process.pid, 19)
-    try:
-        yield process
-    finally:
-        process.terminate()
-        await process.wait()
+            folder = Path(stack.enter_context(profile))
+            browser = await asyncio.to_thread(Chromium, binary, folder, niceness)
+            stack.push_async_callback(asyncio.to_thread, browser.close)
+            browser.resize(*SCREEN)
+            browser.go(address)
+            opened.append(browser)
+        for browser in opened:
+            await asyncio.to_thread(browser.wait_for, IS_THERE, START)
+        yield opened

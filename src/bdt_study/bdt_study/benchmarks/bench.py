@@ -66,8 +66,8 @@ def run_benchmarks(names: Iterable[str] = (), size: BenchmarkSize | None = None)
     Returns
     -------
     dict
-        ``{"machine": {...}, "results": [{"name", "value", "unit", "reference",
-        "reference_value", "ratio"}, ...]}``.
+        ``{"machine": {...}, "results": [...]}``, each result with the fields of a
+        :class:`BenchmarkResult`.
 
     Raises
     ------
@@ -86,7 +86,8 @@ def run_benchmarks(names: Iterable[str] = (), size: BenchmarkSize | None = None)
         if name in BENCHMARKS:
             results += [asdict(result) for result in BENCHMARKS[name](size)]
         else:
-            results += others[name].load()(size.real_time_duration)
+            told = others[name].load()(size.real_time_duration)
+            results += [asdict(BenchmarkResult(**result)) for result in told]
     return {"machine": machine(), "results": results}
 
 

@@ -21,7 +21,7 @@ def bench_table(results: Iterable[Mapping[str, Any]]) -> Table:
             _number(result["value"]),
             result["unit"],
             result["reference"],
-            _number(result["reference_value"]),
+            f"{result['target']} {_number(result['reference_value'])}".strip(),
             _number(result["ratio"]),
         )
     return table

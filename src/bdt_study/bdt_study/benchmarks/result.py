@@ -1,6 +1,13 @@
-"""What a benchmark is asked and what it answers."""
+"""What a benchmark is asked, what it answers, and whether that meets its target."""
 
+import operator
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+from bdt_msgs_py.command_errors import BadInputError
+
+MEETS = {"at most": operator.le, "at least": operator.ge}
+"""Kinds of targets."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +68,8 @@ class BenchmarkResult:
         What was measured of the reference in the same run; None if there is none.
     ratio : float or None
         `value` divided by `reference_value`.
+    target : str
+        ``at most`` or ``at least`` where `reference_value` is what `value` has to be; else empty.
     """
 
     name: str
@@ -69,6 +78,7 @@ class BenchmarkResult:
     reference: str
     reference_value: float | None = None
     ratio: float | None = None
+    target: str = ""
 
 
 def compared(
@@ -77,3 +87,21 @@ def compared(
     """Return a result with its ratio."""
     ratio = value / reference_value
     return BenchmarkResult(name, value, unit, reference, reference_value, ratio)
+
+
+def missed_targets(results: Iterable[BenchmarkResult]) -> list[str]:
+    """Return a line for each target that is missed; what is not a number misses it.
+
+    Raises
+    ------
+    BadInputError
+        If none of the results has a target.
+    """
+    judged = [(each, each.reference_value) for each in results if each.target]
+    if not judged:
+        raise BadInputError("--check: none of these benchmarks has a target")
+    return [
+        f"{each.name}: {each.value:.4g} {each.unit}: must be {each.target} {limit:.4g}"
+        for each, limit in judged
+        if limit is not None and not MEETS[each.target](each.value, limit)
+    ]

@@ -3,9 +3,9 @@
 import json
 from argparse import ArgumentParser, Namespace
 
-from bdt_msgs_py.command_errors import BadInputError
+from bdt_msgs_py.command_errors import FAILED, BadInputError, complain
 from bdt_msgs_py.commands import Command
-from bdt_study.benchmarks.result import BenchmarkSize
+from bdt_study.benchmarks.result import BenchmarkResult, BenchmarkSize, missed_targets
 
 SHORTEST, LONGEST = 1.0, 86400.0
 """Times for which a loop in real time is measured [s]."""
@@ -19,6 +19,11 @@ def _add_arguments(parser: ArgumentParser) -> None:
         default=BenchmarkSize.real_time_duration,
         metavar="S",
         help="of each loop of real_time, of three browsers of live [s] (default: %(default)g)",
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="end with 1, and a line for each, if targets are missed, as live has them",
     )
     parser.add_argument("--json", action="store_true", help="print the results as JSON")
 
@@ -40,7 +45,12 @@ def _bench(options: Namespace) -> int:
         print(json.dumps(measured, indent=2))
     else:
         Console().print(bench_table(measured["results"]))
-    return 0
+    if not options.check:
+        return 0
+    missed = missed_targets(BenchmarkResult(**result) for result in measured["results"])
+    for line in missed:
+        complain(line, FAILED)
+    return FAILED if missed else 0
 
 
 COMMAND = Command(
