@@ -7,7 +7,7 @@ PYTHON ?= $(shell for p in python3.12 python3.11 python3; do \
 VENV := .venv
 BIN := $(VENV)/bin
 PACKAGES := $(addprefix src/,bdt_msgs_py bdt_plant bdt_controller bdt_driver bdt_serial_drive bdt_drive_emulator bdt_twin bdt_bags bdt_analysis bdt_study bdt_bringup bdt_live)
-SOURCES := src tests embedded_ros checks docs/make_figures.py docs/source/conf.py docs/source/extensions
+SOURCES := src tests embedded_ros checks docs/make_figures.py docs/live_pictures.py docs/source/conf.py docs/source/extensions
 
 # Tests of one file share what they set up, so a file stays with one process. No more processes than
 # processors: many tests run loops in real time.

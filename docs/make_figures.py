@@ -1,8 +1,8 @@
 """Draws the pictures in docs/source/pictures anew: all of them, or those that are named.
 
 Not drawn here are plotjuggler.png, lichtblick.png and rqt_plot.png: they show other people's
-programs, and were taken by hand; so was live.png, of a loop that ran. Pictures of pages need
-chromium; without it they stay as they are.
+programs, and were taken by hand. Pictures of pages need chromium; without it they stay as they
+are.
 """
 
 import argparse
@@ -13,11 +13,13 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from live_pictures import take_live_pictures
 from PIL import Image
+
+from bdt_live.measuring.chromium import NAMES, find_chromium
 
 PICTURES = Path(__file__).parent / "source" / "pictures"
 BDT = Path(sys.executable).with_name("bdt")
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 EVALUATION = ("--runs", "16", "--seed", "3000")
 """The runs of the table in explanation/estimators.md."""
 COLORS = 128
@@ -59,6 +61,14 @@ class Drawing:
         """Try the estimators on random scenarios."""
         self._bdt("evaluate", *EVALUATION, "--figure", PICTURES / "evaluation.png")
 
+    def live(self) -> None:
+        """Take pictures of `bdt live`, of a loop that runs for a minute."""
+        if self._browser is None:
+            self._leave_out("live")
+            return
+        for name in take_live_pictures(PICTURES):
+            _keep_few_colors(name)
+
     def _run(self, configuration: str, duration: int) -> Path:
         output = self._folder / f"{duration}_s" / configuration
         if not output.exists():
@@ -78,7 +88,7 @@ class Drawing:
 
     def _photograph(self, address: str, height: int, name: str, *options: str) -> None:
         if self._browser is None:
-            print(f"{name}: not drawn, there is no {' or '.join(BROWSERS)}")
+            self._leave_out(name)
             return
         subprocess.run(
             [
@@ -97,16 +107,22 @@ class Drawing:
             check=True,
             capture_output=True,
         )
-        with Image.open(PICTURES / name) as picture:
-            few_colors = picture.convert("RGB").quantize(COLORS, dither=Image.Dither.NONE)
-        few_colors.save(PICTURES / name, optimize=True)
+        _keep_few_colors(name)
+
+    def _leave_out(self, name: str) -> None:
+        print(f"{name}: not drawn, there is no {' or '.join(NAMES)}")
+
+
+def _keep_few_colors(name: str) -> None:
+    with Image.open(PICTURES / name) as picture:
+        few_colors = picture.convert("RGB").quantize(COLORS, dither=Image.Dither.NONE)
+    few_colors.save(PICTURES / name, optimize=True)
 
 
 def main() -> None:
     """Draw the pictures that the command line names, or all."""
     with tempfile.TemporaryDirectory() as folder:
-        browser = next((found for found in map(shutil.which, BROWSERS) if found), None)
-        drawing = Drawing(Path(folder), browser)
+        drawing = Drawing(Path(folder), find_chromium())
         dark = ("--blink-settings=preferredColorScheme=0",)
         steps: dict[str, Callable[[], None]] = {
             "paper_run": lambda: drawing.run_figure("paper", 120, "paper_run.png"),
@@ -118,6 +134,7 @@ def main() -> None:
             "comparison": drawing.comparison,
             "choices": drawing.choices,
             "evaluation": drawing.evaluation,
+            "live": drawing.live,
         }
         parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
         parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(steps))

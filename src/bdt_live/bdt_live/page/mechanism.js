@@ -151,5 +151,10 @@ function drawTower(context, now, place, levels) {
   context.fillStyle = palette["metal-light"];
   context.fillRect(xs[0] - 16, levels[0] + 9, 32, place.rail - levels[0] - 3);
   const millimeters = (1e3 * now.position).toFixed(3);
+  // Its ground parts the number from the line of the reference behind it.
+  context.strokeStyle = palette.panel;
+  context.lineWidth = 6;
+  context.textAlign = "center";
+  context.strokeText(`${millimeters} mm`, xs[2], levels[2] - 18);
   text(context, `${millimeters} mm`, xs[2], levels[2] - 18, palette.text, "center");
 }
