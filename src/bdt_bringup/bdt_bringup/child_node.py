@@ -9,6 +9,7 @@ import os
 import signal
 import sys
 from importlib import import_module
+from types import ModuleType
 
 _PR_SET_PDEATHSIG = 1
 
@@ -20,7 +21,16 @@ def main() -> None:
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
         if os.getppid() != int(parent):
             sys.exit("the process that started this node is gone")
-    import_module(module).main([sys.argv[0], *arguments])
+    run = _import_quietly(module).main
+    run([sys.argv[0], *arguments])
+
+
+def _import_quietly(module: str) -> ModuleType:
+    """Import a module; one that is interrupted meanwhile ends without a word."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    imported = import_module(module)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    return imported
 
 
 if __name__ == "__main__":
