@@ -89,9 +89,32 @@ def test_time_that_goes_back_begins_a_new_run():
 
 def test_what_holds_is_in_every_row_and_what_is_not_finite_is_not():
     maker = RowMaker()
-    maker.held = {"reference": 5e-3, "dead_zone": float("nan")}
+    maker.hold("reference", 0.0, 5e-3)
+    maker.hold("dead_zone", 0.0, float("nan"))
     maker.take_telemetry(telemetry(0, 400))
     rows = maker.rows()
     assert column(rows, "reference") == [5e-3] * 7
     assert column(rows, "dead_zone") == [None] * 7
     assert column(rows, "estimate") == [None] * 7
+
+
+@pytest.mark.parametrize("batches", [1, 4])
+def test_what_is_heard_before_its_samples_holds_from_its_own_time_on(batches):
+    maker = RowMaker()
+    maker.hold("reference", 0.0, 5e-3)
+    maker.hold("reference", 0.04, 0.0)
+    rows = []
+    for batch in np.split(telemetry(0, 400), batches):
+        maker.take_telemetry(batch)
+        rows += maker.rows()
+    assert column(rows, "reference") == [5e-3] * 4 + [0.0] * 3
+
+
+def test_what_was_said_last_holds_when_time_begins_anew():
+    maker = RowMaker()
+    maker.hold("reference", 0.5, 5e-3)
+    maker.take_telemetry(telemetry(RATE, 400))
+    maker.rows()
+    maker.hold("reference", 0.0, 1e-3)
+    maker.take_telemetry(telemetry(0, 400))
+    assert column(maker.rows(), "reference") == [1e-3] * 7

@@ -67,6 +67,22 @@ def test_what_holds_changes_when_the_run_says_so(run):
     assert (third[of("reference")], third[of("estimate")]) == (0.0, None)
 
 
+def test_what_holds_changes_at_its_time_however_fast_a_run_is_played(run):
+    playback = Playback(run)
+    playback.pace = 10.0
+    rows = playback.advance(0.15)
+    reference = dict(zip(column(rows, "time"), column(rows, "reference"), strict=True))
+    assert (reference[3.99], reference[4.0]) == (0.005, 0.0)
+
+
+def test_what_holds_is_that_of_the_beginning_after_a_rewind(run):
+    playback = Playback(run)
+    playback.advance(2.0)
+    playback.rewind()
+    playback.is_paused = False
+    assert set(column(playback.advance(0.4), "reference")) == {0.005}
+
+
 def test_paused_it_goes_on_by_steps_alone(run):
     playback = Playback(run)
     playback.advance(0.1)

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_live.held_value import HeldValue
+
 FloatArray = NDArray[np.float64]
 
 BUCKET = 0.01
@@ -34,6 +36,9 @@ COLUMNS = (
 """What a row holds, in SI units: both extremes of voltage and measured position in the order in
 which they came, the latest of everything else, None for what is not known."""
 
+HELD = COLUMNS[-4:]
+"""Columns of what holds until it is said anew."""
+
 _DIGITS = 7
 
 
@@ -55,15 +60,12 @@ class RowMaker:
 
     Attributes
     ----------
-    held : dict of str to float or None
-        What holds until it is said anew, by its column: reference, dead zone, estimate,
-        uncertainty.
     gap : float or None
         The latest true gap [rad].
     """
 
     def __init__(self) -> None:
-        self.held: dict[str, float | None] = {}
+        self._held = {name: HeldValue() for name in HELD}
         self.gap: float | None = None
         self.restart()
 
@@ -71,7 +73,12 @@ class RowMaker:
         """Forget the samples: time begins anew."""
         self._telemetry, self._truth = np.empty((0, 3)), np.empty((0, 7))
         self._telemetry_end = self._truth_end = -math.inf
-        self._begin: int | None = None
+        for held in self._held.values():
+            held.restart()
+
+    def hold(self, name: str, time: float, value: float | None) -> None:
+        """Take what holds from a time on [s], one of ``HELD``; it may come before its samples."""
+        self._held[name].say(time, value)
 
     def take_telemetry(self, rows: FloatArray) -> None:
         """Take rows of (t [s], u [V], q3 [m]); those that go back in time begin a new run."""
@@ -125,7 +132,7 @@ class RowMaker:
             float(samples[-1, 2]),
         ]
         values += [None] * 5 if truth is None else truth[1:6].tolist()
-        values += [self.held.get(name) for name in COLUMNS[-4:]]
+        values += [self._held[name].at(float(samples[-1, 0])) for name in HELD]
         return [round(time, 6), *(None if each is None else rounded(each) for each in values)]
 
 

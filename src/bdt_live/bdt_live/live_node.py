@@ -83,8 +83,8 @@ class LiveNode(Node):
         return self._listener.messages
 
     def _send_frame(self) -> None:
-        held = self._listener.rows.held
-        held["dead_zone"] = self._parameters[CONTROLLER_NODE].values.get(DEAD_ZONE_PARAMETER)
+        dead_zone = self._parameters[CONTROLLER_NODE].values.get(DEAD_ZONE_PARAMETER)
+        self._listener.rows.hold("dead_zone", self._listener.end or 0.0, dead_zone)
         rows = self._listener.rows.rows()
         if rows:
             self._channel.send({"type": "frame", "rows": rows}, may_be_dropped=True)

@@ -147,13 +147,16 @@ class LoopListener:
             self.rows.take_truth(rows)
 
     def _take_reference(self, message: Any) -> None:
-        _, self.rows.held["reference"] = check_position(message)
+        stamp, position = check_position(message)
+        self.rows.hold("reference", stamp / NANOSECONDS_PER_SECOND, position)
 
     def _take_estimate(self, message: Any) -> None:
-        _, self.rows.held["estimate"] = check_estimate(message)
-        self.rows.held["uncertainty"] = None
+        stamp, gap = check_estimate(message)
+        uncertainty = None
         if GAP_UNCERTAINTY_JOINT in message.name:
-            _, self.rows.held["uncertainty"] = read_position(message, GAP_UNCERTAINTY_JOINT)
+            _, uncertainty = read_position(message, GAP_UNCERTAINTY_JOINT)
+        for name, value in (("estimate", gap), ("uncertainty", uncertainty)):
+            self.rows.hold(name, stamp / NANOSECONDS_PER_SECOND, value)
 
     def _take_mark(self, message: Any) -> None:
         self.marks.append(check_stamp(message.stamp) / NANOSECONDS_PER_SECOND)

@@ -1,14 +1,9 @@
 """A bag as the stream that a loop would be: what it holds, at a pace, with pauses."""
 
-import math
-
 import numpy as np
-from numpy.typing import NDArray
 
 from bdt_bags.run_signals import RunSignals
 from bdt_live.extremes import RowMaker
-
-FloatArray = NDArray[np.float64]
 
 STEP = 0.04
 """Time of a single step [s]."""
@@ -34,13 +29,20 @@ class Playback:
 
     def __init__(self, run: RunSignals) -> None:
         self._run = run
-        self._rows = RowMaker()
         self.pace, self.is_paused = 1.0, False
         self.rewind()
 
     def rewind(self) -> None:
         """Begin at the beginning."""
-        self._rows.restart()
+        self._rows = RowMaker()
+        for name, rows in (
+            ("reference", self._run.reference),
+            ("dead_zone", self._run.dead_zones),
+            ("estimate", self._run.estimates),
+            ("uncertainty", self._run.uncertainties),
+        ):
+            for time, value in rows.tolist():
+                self._rows.hold(name, time, value)
         self.time = float(self._run.telemetry[0, 0])
         self._played = self._truth_played = 0
 
@@ -69,19 +71,6 @@ class Playback:
             if known > self._truth_played:
                 self._rows.take_truth(truth[self._truth_played : known])
                 self._truth_played = known
-        self._rows.held = {
-            "reference": _held(self._run.reference, self.time),
-            "dead_zone": _held(self._run.dead_zones, self.time),
-            "estimate": _held(self._run.estimates, self.time),
-            "uncertainty": _held(self._run.uncertainties, self.time),
-        }
         if self.is_over:
             self.time, self.is_paused = float(telemetry[-1, 0]), True
         return self._rows.rows()
-
-
-def _held(rows: FloatArray, time: float) -> float | None:
-    """Return what holds at a time, of rows of (time from which it holds, value)."""
-    row = int(np.searchsorted(rows[:, 0], time, side="right")) - 1
-    value = float(rows[row, 1]) if row >= 0 else math.nan
-    return value if math.isfinite(value) else None
