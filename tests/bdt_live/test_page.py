@@ -234,3 +234,31 @@ def test_a_page_that_the_server_does_not_know_says_what_to_do(page, live_loop):
 def test_on_a_narrow_screen_nothing_sticks_out(page, width):
     page.resize(width, 800)
     page.wait_for(f"document.documentElement.scrollWidth <= {width}")
+
+
+LONG_NAME = "a_driver_with_a_very_long_name_of_its_own"
+
+
+@pytest.mark.parametrize("width", [375, 1500])
+def test_a_node_with_a_long_name_covers_nothing(page, width):
+    page.resize(width, 950)
+    node = {"name": LONG_NAME, "level": 0, "text": "driving", "age": 0.1}
+    state = {"type": "state", "word": "ok", "cause": "", "reason": "", "nodes": [node]}
+    state |= {"rate": None, "latency": None, "pace": 1.0, "paused": False}
+    heard = f"new MessageEvent('message', {{ data: {json.dumps(json.dumps(state))} }})"
+    # Within one step of the page: half a second later the loop tells its own nodes again.
+    name_end, text_begin, text_end, panel_end = page.evaluate(
+        f"(() => {{ window.sockets.at(-1).dispatchEvent({heard});"
+        "const panel = document.getElementById('nodes');"
+        "const [name, text] = panel.querySelectorAll('span');"
+        "const range = document.createRange(); range.selectNodeContents(name);"
+        "return [range.getBoundingClientRect().right, text.getBoundingClientRect().left,"
+        "text.getBoundingClientRect().right, panel.getBoundingClientRect().right]; })()"
+    )
+    assert name_end <= text_begin
+    assert text_end <= panel_end
+
+
+def test_what_buttons_set_is_no_slider(page):
+    assert page.evaluate("document.getElementById('plant.pause_at')") is None
+    assert page.evaluate("document.getElementById('plant.gap.kind')") is not None

@@ -3,6 +3,7 @@
 import { RATHER, Control } from "./control.js";
 
 const SHORTEST = 40; // ms between two values of a slider that is dragged
+const OF_BUTTONS = ["plant.pace", "plant.pause_at"]; // what is set at the top of the page
 
 export class Controls {
   constructor(place, connection) {
@@ -18,7 +19,7 @@ export class Controls {
     const made = new Map();
     for (const described of controls) {
       this.note(node, described.name, described.value);
-      if (described.kind === "fixed") continue;
+      if (described.kind === "fixed" || OF_BUTTONS.includes(`${node}.${described.name}`)) continue;
       const set = (value) => this.set(node, described.name, value);
       made.set(described.name, new Control(node, described, set, SHORTEST));
     }
