@@ -4,6 +4,7 @@ import json
 import select
 import threading
 import time
+from collections import defaultdict
 from dataclasses import replace
 
 import numpy as np
@@ -91,17 +92,19 @@ def test_paused_it_goes_on_by_steps_alone(run):
     assert len(playback.step()) == 4
 
 
-def test_a_bag_is_told_to_the_page_which_may_pause_and_not_set(following_bag):
+def told(recording, requests, is_enough):
+    """Return what a page is told of a bag that is played, by the type of the messages."""
     own, other = (Channel(end) for end in channel_pair())
-    show = BagShow(other, replace(load_recording(following_bag), marks=(0.5, 1e3)))
-    playing = threading.Thread(target=show.run, args=(StopSignals(),), daemon=True)
+    playing = threading.Thread(
+        target=BagShow(other, recording).run, args=(StopSignals(),), daemon=True
+    )
     playing.start()
     own.send(page_has_come())
-    own.send(page_asks(1, '{"number": 1, "action": "pace", "amount": 10}'))
-    own.send(page_asks(1, '{"number": 2, "action": "wear"}'))
-    heard = {"frame": [], "reply": [], "state": [], "parameters": [], "marks": [{"times": []}]}
+    for number, request in enumerate(requests):
+        own.send(page_asks(1, json.dumps({"number": number, **request})))
+    heard = defaultdict(list)
     end = time.monotonic() + DEADLINE
-    while not (heard["frame"] and heard["state"] and heard["marks"][-1]["times"]):
+    while not is_enough(heard):
         assert time.monotonic() < end
         select.select([own], [], [], 0.1)
         for text in own.receive():
@@ -111,6 +114,28 @@ def test_a_bag_is_told_to_the_page_which_may_pause_and_not_set(following_bag):
     playing.join(timeout=DEADLINE)
     assert not playing.is_alive()
     other.close()
-    assert [each["reason"] for each in heard["reply"]] == [None, "this is a bag: it is what it is"]
+    return heard
+
+
+FAST = {"action": "pace", "amount": 10}
+
+
+def test_a_bag_is_told_to_the_page_which_may_pause_and_not_set(following_bag):
+    heard = told(
+        replace(load_recording(following_bag), marks=(0.5, 1e3)),
+        [FAST, {"action": "wear"}],
+        lambda heard: heard["state"] and any(each["times"] for each in heard["marks"]),
+    )
+    reasons = [each["reason"] for each in heard["reply"]]
+    assert reasons == [None, "a bag is played back: there is no loop to ask"]
+    assert (heard["state"][0]["word"], heard["state"][0]["over"]) == ("a bag is played back", False)
     assert len(heard["frame"][0]["rows"][0]) == len(COLUMNS)
     assert heard["marks"][-1]["times"] == [0.5]
+
+
+def test_the_end_of_a_bag_is_told(following_bag):
+    recording = load_recording(following_bag)
+    short = replace(recording, telemetry=recording.telemetry[:1000])
+    heard = told(short, [FAST], lambda heard: heard["state"] and heard["state"][-1]["over"])
+    last = heard["state"][-1]
+    assert (last["word"], last["paused"]) == ("the end of the bag", True)

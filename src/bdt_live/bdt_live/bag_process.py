@@ -27,7 +27,7 @@ STATE_PERIOD = 0.5
 LARGEST_FRAME = 300
 """Rows of a frame."""
 
-WITHOUT_A_LOOP = "this is a bag: it is what it is"
+WITHOUT_A_LOOP = "a bag is played back: there is no loop to ask"
 
 
 class BagShow:
@@ -87,14 +87,15 @@ class BagShow:
         self._channel.send(
             {
                 "type": "state",
-                "word": "ok",
+                "word": "the end of the bag" if playback.is_over else "a bag is played back",
                 "cause": "",
-                "reason": "the end of the bag" if playback.is_over else "a bag is played back",
+                "reason": "",
                 "nodes": [],
                 "rate": None,
                 "latency": None,
                 "pace": playback.pace,
                 "paused": playback.is_paused,
+                "over": playback.is_over,
             },
             may_be_dropped=True,
         )

@@ -3,6 +3,7 @@
 import { RATHER, Control } from "./control.js";
 
 const SHORTEST = 40; // ms between two values of a slider that is dragged
+const NOTHING = "nothing can be set: no node answers";
 const OF_BUTTONS = ["plant.pace", "plant.pause_at"]; // what is set at the top of the page
 
 export class Controls {
@@ -77,7 +78,7 @@ export class Controls {
     if (!this.place.childElementCount) {
       const words = document.createElement("p");
       words.className = "quiet";
-      words.textContent = "no node has answered yet";
+      words.textContent = NOTHING;
       this.place.append(words);
     }
   }

@@ -43,10 +43,12 @@ export class TimeControl {
     if (reason) this.nodes.addLine(`${action}: ${reason}`, 40);
   }
 
-  take({ pace, paused }) {
+  take({ pace, paused, over = false }) {
     this.paused = paused;
     const button = this.button("pause");
-    button.textContent = paused ? "Go on" : "Pause";
+    // A bag that is over goes on from its beginning.
+    const on = over ? "Again" : "Go on";
+    button.textContent = paused ? on : "Pause";
     button.setAttribute("aria-pressed", paused);
     const can = pace !== null;
     for (const each of [button, this.button("step"), this.pace]) each.disabled = !can;
