@@ -1,7 +1,7 @@
 """The last minute of a loop."""
 
 from bdt_bags.writing.topic_metadata import SerializedMessage, topic_metadata
-from bdt_live.recent_messages import DURATION, RecentMessages, write_bag
+from bdt_live.recent_messages import DURATION, LastMessage, RecentMessages, write_bag
 
 SECOND = 1_000_000_000
 
@@ -12,8 +12,8 @@ def topic(name):
 
 def filled(seconds):
     recent = RecentMessages()
-    held = recent.add_topic(topic("reference"), is_latched=True)
-    running = recent.add_topic(topic("telemetry"), is_latched=False)
+    held = recent.add_topic(topic("reference"), LastMessage())
+    running = recent.add_topic(topic("telemetry"))
     recent.add(SerializedMessage(held, 1, 1, b"first"))
     recent.add(SerializedMessage(held, 2, 2, b"second"))
     for second in range(1, seconds):
@@ -38,7 +38,7 @@ def test_what_is_young_is_there_as_it_came():
 
 def test_the_memory_is_bounded():
     recent = RecentMessages()
-    number = recent.add_topic(topic("telemetry"), is_latched=False)
+    number = recent.add_topic(topic("telemetry"))
     data = bytes(1 << 20)
     for n in range(300):
         recent.add(SerializedMessage(number, n, n, data))

@@ -11,8 +11,9 @@ from rclpy.serialization import deserialize_message
 from bdt_bags.recorder.topic_choice import ChosenTopic, project_topics
 from bdt_bags.writing.topic_metadata import SerializedMessage
 from bdt_live.extremes import RowMaker
+from bdt_live.held_parameters import HeldParameters
 from bdt_live.loop_timing import LoopTiming
-from bdt_live.recent_messages import RecentMessages
+from bdt_live.recent_messages import Held, LastMessage, RecentMessages
 from bdt_msgs_py.message_checks import (
     check_estimate,
     check_position,
@@ -32,6 +33,7 @@ from bdt_msgs_py.topics import (
     TELEMETRY,
     TRUTH,
     TRUTH_COLUMNS,
+    Topic,
 )
 
 TIMED = 4
@@ -112,8 +114,7 @@ class LoopListener:
 
     def _subscribe(self, node: Node, chosen: ChosenTopic, read: Any) -> None:
         topic = chosen.topic
-        latched = topic is not None and topic.transient_local
-        number = self.recent.add_topic(chosen.recorded, is_latched=latched)
+        number = self.recent.add_topic(chosen.recorded, _held_of(topic))
         timed = self._timed.get(topic.name) if topic else None
 
         def take(data: bytes, info: dict[str, int]) -> None:
@@ -164,3 +165,10 @@ class LoopListener:
     def _take_event(self, message: Any) -> None:
         for listener in self._events:
             listener.take_event(message)
+
+
+def _held_of(topic: Topic | None) -> Held | None:
+    """Return what of the messages of a topic holds on."""
+    if topic is PARAMETER_EVENTS:
+        return HeldParameters()
+    return LastMessage() if topic is not None and topic.transient_local else None
