@@ -73,7 +73,7 @@ WITHOUT_ROSDEP = {
     ("bdt_analysis", "plotly"): "pages show pictures alone",
     ("bdt_analysis", "pyarrow"): "--export parquet is refused; the extra `parquet` for pip",
     ("bdt_study", "distributed"): "--scheduler is refused; the extra `sweep` for pip",
-    ("bdt_study", "pyarrow"): "bdt sweep is refused; the extra `sweep` for pip",
+    ("bdt_study", "pyarrow"): "data sets are refused; the extra `sweep` for pip",
     ("bdt_study", "SALib"): "bdt sweep report is refused; the extra `sweep` for pip",
 }
 """What package.xml cannot name for want of a key: package, import, and what is without it."""

@@ -45,7 +45,7 @@ LONG = (
     "test_export",
     "test_fault_schedules",
     "test_run_sweep",
-    "test_dask_cluster",
+    "test_sweep_on_a_cluster",
     "test_stray_processes",
 )
 """Files of tests that take long: where one begins last, one process works alone."""

@@ -5,8 +5,8 @@ import pytest
 from bdt_study.benchmarks import sweep
 from bdt_study.benchmarks.bench import run_benchmarks
 from bdt_study.benchmarks.result import BenchmarkSize
+from bdt_study.engine.in_this_process import InThisProcess
 from bdt_study.sweep.batches import batches
-from bdt_study.sweep.run_batch import run_batch
 from bdt_study.sweep.study_file import read_study
 
 data_set = pytest.importorskip("bdt_study.sweep.data_set", reason="beside a ROS 2 without pyarrow")
@@ -20,18 +20,8 @@ def _short(monkeypatch):
     monkeypatch.setattr("bdt_study.sweep.batches.MOST_RUNS", 10)
 
 
-class InThisProcess:
-    """An engine without processes."""
-
-    def __init__(self, workers):
-        self.workers = workers
-
-    def results(self, waiting):
-        return map(run_batch, waiting)
-
-
 def test_rates_stand_beside_what_they_are_to_reach(monkeypatch):
-    monkeypatch.setattr(sweep, "LocalWorkers", InThisProcess)
+    monkeypatch.setattr(sweep, "LocalWorkers", lambda _count: InThisProcess())
     monkeypatch.setattr(sweep, "_dask_rate", lambda *_: (100.0, 0.0))
     results = run_benchmarks(["sweep"], TINY)["results"]
     assert [one["reference"] for one in results] == [
@@ -55,7 +45,7 @@ def test_parts_that_differ_are_counted(monkeypatch):
         data.create(resume=True)
         missing = data.missing() if life is None else data.missing()[:1]
         for batch in batches(parsed, missing):
-            data.write(run_batch(batch))
+            data.write(batch.number, batch.run())
         if life is not None:
             lives.append(life)
         if len(lives) == 3:

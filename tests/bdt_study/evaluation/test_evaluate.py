@@ -1,15 +1,23 @@
-"""`bdt evaluate` as a command: options, JSON, figure."""
+"""`bdt evaluate` as a command: options, JSON, figure, and runs that are kept and gone on with."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
+from importlib.util import find_spec
 
 import pytest
 
 from bdt_bringup.cli import run_command
-from bdt_msgs_py.command_errors import BAD_INPUT
-from bdt_study.evaluation.evaluate import outcome_table
+from bdt_msgs_py.command_errors import BAD_INPUT, INTERRUPTED
+from bdt_study.engine.in_this_process import InThisProcess
+from bdt_study.evaluation import evaluate
 from bdt_study.evaluation.outcome import CaseOutcome
+from bdt_study.evaluation.outcome_table import outcome_table
+
+DEADLINE = 120.0
 
 FIELDS = [
     "case",
@@ -46,14 +54,28 @@ class MyEstimator:
 ARGUMENTS = ["--estimator", "my_file:MyEstimator", "--cases", "clean", "--runs", "1", "--json"]
 
 
+@pytest.fixture
+def in_this_process(monkeypatch):
+    """Have no processes started."""
+    monkeypatch.setattr(evaluate, "chosen_engine", lambda *_: InThisProcess())
+
+
+def started(*arguments, folder):
+    """Return the command as a process of its own."""
+    command = [sys.executable, "-P", "-m", "bdt_bringup.cli", "evaluate", *map(str, arguments)]
+    return subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
 def test_the_shortest_class_in_the_current_folder_is_evaluated(tmp_path):
     (tmp_path / "my_file.py").write_text(MY_FILE.replace("FOUND", "0.1"))
-    command = [sys.executable, "-P", "-m", "bdt_bringup.cli", "evaluate", *ARGUMENTS]
-    done = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert "Traceback" not in done.stderr
-    assert "error" not in done.stderr
-    (row,) = json.loads(done.stdout)["cases"]
+    process = started(*ARGUMENTS, folder=tmp_path)
+    printed, told = process.communicate(timeout=DEADLINE)
+    assert process.returncode == 0, told
+    assert "Traceback" not in told
+    assert "error" not in told
+    (row,) = json.loads(printed)["cases"]
     assert row["estimator"] == "my_file:MyEstimator"
 
 
@@ -65,7 +87,7 @@ def test_the_shortest_class_in_the_current_folder_is_evaluated(tmp_path):
     ],
 )
 def test_a_class_that_fails_while_it_is_evaluated_is_one_line(
-    tmp_path, monkeypatch, capsys, found, says
+    in_this_process, tmp_path, monkeypatch, capsys, found, says
 ):
     (tmp_path / "my_file.py").write_text(MY_FILE.replace("FOUND", found))
     monkeypatch.chdir(tmp_path)
@@ -78,7 +100,7 @@ def test_a_class_that_fails_while_it_is_evaluated_is_one_line(
     assert [line for line in told.splitlines() if line.startswith("error")] == [says]
 
 
-def test_the_result_as_json_and_as_a_figure(tmp_path, capsys):
+def test_the_result_as_json_and_as_a_figure(in_this_process, tmp_path, capsys):
     figure = tmp_path / "new" / "errors.png"
     arguments = ["--cases", "laboratory", "clean", "--runs", "1", "--json", "--figure", str(figure)]
     assert run_command(["evaluate", "--estimator", "inverse_filter", *arguments]) == 0
@@ -102,6 +124,9 @@ def test_the_result_as_json_and_as_a_figure(tmp_path, capsys):
         (["--estimator", "nowhere:E"], "estimator.kind = 'nowhere:E': No module named"),
         (["--runs", "0"], "--runs 0 --seed 0: must be at least 1 and at least 0"),
         (["--seed", "-1"], "--seed -1: must be"),
+        (["--workers", "0"], "--workers 0: must be 1 to 1024"),
+        (["--workers", "1", "--scheduler", "tcp://127.0.0.1:1"], "a --scheduler has workers of"),
+        (["--resume"], "--resume: needs --output, the folder to go on with"),
         (["--figure", "errors.txt"], "--figure errors.txt: must end with .png, .svg or .pdf"),
     ],
 )
@@ -121,7 +146,7 @@ def test_what_is_unknown_is_a_dash_in_the_table():
     assert cells == [[each] for each in told] + numbers
 
 
-def test_both_ways_to_decide_are_compared_on_the_same_scenarios(capsys):
+def test_both_ways_to_decide_are_compared_on_the_same_scenarios(in_this_process, capsys):
     arguments = ["--cases", "clean", "--runs", "1", "--json", "--estimator", "inverse_filter"]
     decisions = ["--decision", "equation_9", "--decision", "simulate"]
     assert run_command(["evaluate", *arguments, *decisions]) == 0
@@ -129,3 +154,90 @@ def test_both_ways_to_decide_are_compared_on_the_same_scenarios(capsys):
     assert [by_rule["decision"], simulated["decision"]] == ["equation_9", "simulate"]
     assert simulated["worst_bias_percent"] < by_rule["worst_bias_percent"]
     assert simulated["limit_cycle_free_percent"] == 100.0
+
+
+FEW = ["--estimator", "inverse_filter", "--cases", "clean", "laboratory"]
+kept = pytest.mark.skipif(find_spec("pyarrow") is None, reason="beside a ROS 2 without pyarrow")
+
+
+@pytest.fixture
+def rows(capsys):
+    """Return a function that runs the command and returns its rows without processor times."""
+
+    def run(*arguments):
+        assert run_command(["evaluate", *FEW, "--json", *map(str, arguments)]) == 0
+        told = json.loads(capsys.readouterr().out)["cases"]
+        return [{name: row[name] for name in FIELDS if name != "window_ms"} for row in told]
+
+    return run
+
+
+def parts(folder):
+    return {path.name: path.read_bytes() for path in folder.glob("runs/*.parquet")}
+
+
+@kept
+def test_killed_and_resumed_the_table_is_the_same_and_no_finished_run_is_lost(
+    in_this_process, rows, tmp_path
+):
+    output = tmp_path / "kept"
+    runs = ["--runs", 6]
+    process = started(*FEW, *runs, "--output", output, "--workers", 1, folder=tmp_path)
+    end = time.monotonic() + DEADLINE
+    while not parts(output):
+        assert time.monotonic() < end
+        assert process.poll() is None
+        time.sleep(0.002)
+    process.kill()
+    process.communicate(timeout=DEADLINE)
+    there = parts(output)
+    assert 0 < len(there) < 12
+    assert rows(*runs, "--output", output, "--resume") == rows(*runs)
+    assert parts(output).items() >= there.items()
+
+
+@kept
+def test_more_runs_go_on_where_fewer_ended_and_fewer_are_still_known(
+    in_this_process, rows, tmp_path
+):
+    one = rows("--runs", 1, "--output", tmp_path / "kept")
+    there = parts(tmp_path / "kept")
+    two = rows("--runs", 2, "--output", tmp_path / "kept", "--resume")
+    assert two == rows("--runs", 2)
+    assert parts(tmp_path / "kept").items() >= there.items()
+    assert rows("--runs", 1, "--output", tmp_path / "kept", "--resume") == one
+
+
+@kept
+def test_ctrl_c_keeps_what_is_finished_and_tells_how_to_go_on(monkeypatch, tmp_path, capsys):
+    class Interrupted(InThisProcess):
+        """An engine that is interrupted at its first job."""
+
+        def results(self, jobs):
+            for number, result in super().results(jobs):
+                os.kill(os.getpid(), signal.SIGINT)
+                yield number, result
+
+    monkeypatch.setattr(evaluate, "chosen_engine", lambda *_: Interrupted())
+    output = tmp_path / "kept"
+    assert run_command(["evaluate", *FEW, "--runs", "2", "--output", str(output)]) == INTERRUPTED
+    told = capsys.readouterr().err.splitlines()[-1]
+    assert told == (
+        f"error: interrupted: 1 of 4 runs are in {output}; to go on: the same command with --resume"
+    )
+    assert list(parts(output)) == ["part-0000000.parquet"]
+
+
+@kept
+def test_a_folder_of_another_evaluation_is_refused(in_this_process, rows, tmp_path, capsys):
+    arguments = ["--runs", "1", "--output", str(tmp_path / "kept")]
+    rows(*arguments)
+    for more, says in (
+        ([], "already holds this evaluation: go on with --resume"),
+        (["--resume", "--seed", "1"], "another evaluation or version, which differs in seed"),
+        (["--resume", "--cases", "harsh"], "which differs in cases"),
+    ):
+        assert run_command(["evaluate", *FEW, *arguments, *more]) == BAD_INPUT
+        told = capsys.readouterr().err
+        assert says in told
+        assert told.count("\n") == 1

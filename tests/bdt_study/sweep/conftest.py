@@ -11,9 +11,9 @@ import yaml
 if find_spec("pyarrow") is None or find_spec("SALib") is None:
     collect_ignore_glob = ["test_*.py"]
 else:
+    from bdt_study.engine.part_folder import PARTS
     from bdt_study.sweep.batches import batches
-    from bdt_study.sweep.data_set import PARTS, DataSet
-    from bdt_study.sweep.run_batch import run_batch
+    from bdt_study.sweep.data_set import DataSet
     from bdt_study.sweep.study_file import read_study
 
 SMALL = {
@@ -73,5 +73,5 @@ def undisturbed(study_file, tmp_path, bytes_of, small_batches):
     data = DataSet(tmp_path / "undisturbed", read_study(path))
     data.create(resume=False)
     for batch in batches(read_study(path), data.missing()):
-        data.write(run_batch(batch))
+        data.write(batch.number, batch.run())
     return path, bytes_of(data.folder)

@@ -13,7 +13,7 @@ from bdt_study.simulation.configured_loop import LoopParameters
 from bdt_study.sweep.batches import batches
 from bdt_study.sweep.data_set import DataSet
 from bdt_study.sweep.replay import run_configuration
-from bdt_study.sweep.run_batch import run_batch, run_result
+from bdt_study.sweep.run_batch import run_result
 from bdt_study.sweep.study import study_from_text
 from bdt_study.sweep.study_file import read_study
 from bdt_study.sweep.sweep_table import open_study, read_run, read_runs
@@ -50,7 +50,7 @@ def finished(tmp_path_factory):
     data = DataSet(folder / "sweep", study)
     data.create(resume=False)
     for batch in batches(study, data.missing()):
-        data.write(run_batch(batch))
+        data.write(batch.number, batch.run())
     return data.folder
 
 

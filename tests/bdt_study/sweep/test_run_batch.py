@@ -1,7 +1,5 @@
 """Runs of a batch: the loop of the other programs, judged by other code or by hand."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,13 +7,13 @@ from bdt_msgs_py.command_errors import BadInputError
 from bdt_plant.gap_profile import GapProfile
 from bdt_study.evaluation.trial import judged_steps
 from bdt_study.simulation.closed_loop import simulate
-from bdt_study.sweep.run_batch import Batch, run_batch, run_result
+from bdt_study.sweep.run_batch import Batch, run_result
 from bdt_study.sweep.run_points import RunPoints
 from bdt_study.sweep.run_quantities import QUANTITIES
 
 
 def all_of(study):
-    return run_batch(Batch(0, study, RunPoints(study).between(0, study.runs))).values
+    return Batch(0, study, RunPoints(study).between(0, study.runs)).run().values
 
 
 def test_a_run_is_the_loop_of_its_parameters(study_of):
@@ -32,7 +30,7 @@ def test_a_run_is_the_loop_of_its_parameters(study_of):
 def test_a_run_does_not_depend_on_those_before_it(study_of):
     study = study_of()
     points = RunPoints(study)
-    last = run_batch(Batch(0, study, points.between(47, 48))).values
+    last = Batch(0, study, points.between(47, 48)).run().values
     np.testing.assert_array_equal(all_of(study)[47:], last)
 
 
@@ -97,9 +95,3 @@ def test_a_function_of_the_users_computes_or_says_where_it_fails(study_of, tmp_p
     assert 5e-3 < values.min() < 0.05
     with pytest.raises(BadInputError, match=r"my_fault\.py:3: ZeroDivisionError"):
         all_of(study_of(compute=["my_fault:peak"]))
-
-
-def test_a_worker_with_another_version_refuses(study_of):
-    study = replace(study_of(), version="0.0.1")
-    with pytest.raises(BadInputError, match=r"the sweep 0\.0\.1: must be the same"):
-        all_of(study)

@@ -12,10 +12,11 @@ import pytest
 
 from bdt_bringup.cli import run_command
 from bdt_msgs_py.command_errors import BAD_INPUT, FAILED, INTERRUPTED
+from bdt_study.engine.in_this_process import InThisProcess
+from bdt_study.engine.part_folder import PARTS
 from bdt_study.sweep import batches as batches_module
 from bdt_study.sweep import run_sweep
-from bdt_study.sweep.data_set import PARTS, DataSet
-from bdt_study.sweep.run_batch import run_batch
+from bdt_study.sweep.data_set import DataSet
 
 DEADLINE = 120.0
 
@@ -87,16 +88,9 @@ def test_interrupted_killed_and_resumed_the_bytes_are_the_same(undisturbed, byte
     assert len(list((output / "sessions").iterdir())) == 3
 
 
-class InThisProcess:
-    """An engine without processes."""
-
-    def results(self, waiting):
-        return map(run_batch, waiting)
-
-
 @pytest.fixture
 def in_this_process(monkeypatch):
-    monkeypatch.setattr(run_sweep, "_engine", lambda options: InThisProcess())
+    monkeypatch.setattr(run_sweep, "chosen_engine", lambda *_: InThisProcess())
 
 
 def test_the_outcome_as_json_has_the_first_answers(in_this_process, study_file, tmp_path, capsys):
@@ -113,16 +107,16 @@ def test_the_outcome_as_json_has_the_first_answers(in_this_process, study_file, 
 def test_another_ctrl_c_does_not_wait_for_what_is_in_work(
     study_file, tmp_path, monkeypatch, capsys
 ):
-    class Endless:
+    class Endless(InThisProcess):
         """An engine whose work never ends, in which somebody presses Ctrl-C twice."""
 
-        def results(self, waiting):
-            yield run_batch(next(waiting))
+        def results(self, jobs):
+            yield next(super().results(jobs))
             for _ in range(2):
                 os.kill(os.getpid(), signal.SIGINT)
             pytest.fail("waited")
 
-    monkeypatch.setattr(run_sweep, "_engine", lambda options: Endless())
+    monkeypatch.setattr(run_sweep, "chosen_engine", lambda *_: Endless())
     output = tmp_path / "sweep"
     assert run_command(["sweep", str(study_file()), "--output", str(output)]) == INTERRUPTED
     assert "Traceback" not in capsys.readouterr().err
@@ -134,7 +128,7 @@ def test_a_disk_that_fills_ends_it_with_what_there_is(
 ):
     written = []
 
-    def write(data, result):
+    def write(data, number, result):
         if len(written) == 3:
             raise OSError(28, "No space left on device")
         written.append(result)
@@ -157,7 +151,7 @@ def test_a_dry_run_writes_nothing_and_says_how_large_it_gets(study_file, tmp_pat
     assert not (tmp_path / "no").exists()
 
 
-@pytest.mark.parametrize("workers", ["0", "1025"])
-def test_a_number_of_workers_that_makes_no_sense_is_refused(study_file, capsys, workers):
-    assert run_command(["sweep", str(study_file()), "--workers", workers]) == BAD_INPUT
-    assert f"--workers {workers}: must be 1 to 1024" in capsys.readouterr().err
+@pytest.mark.parametrize("more", [[], ["--dry-run"]])
+def test_a_number_of_workers_that_makes_no_sense_is_refused(study_file, capsys, more):
+    assert run_command(["sweep", str(study_file()), "--workers", "0", *more]) == BAD_INPUT
+    assert "--workers 0: must be 1 to 1024" in capsys.readouterr().err

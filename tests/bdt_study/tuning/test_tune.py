@@ -13,6 +13,7 @@ from bdt_controller.pid import PidGains
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.start_values import read_configuration
+from bdt_study.engine.in_this_process import InThisProcess
 from bdt_study.tuning import run_tuning, tune
 from bdt_study.tuning.candidate_outcome import summarize
 from bdt_study.tuning.linear_judgment import LinearJudgment
@@ -56,7 +57,7 @@ class Loops:
     def __init__(self, failures):
         self._failures = failures
 
-    def __call__(self, models, tried, seeds, control_rate):
+    def __call__(self, engine, models, tried, seeds, control_rate):
         self.control_rate = control_rate
         for seed in seeds:
             yield [
@@ -93,9 +94,8 @@ def run(monkeypatch, failures):
 
 
 def tuned():
-    tuner = tune.Tuner(
-        PlantModel(), MechanismRanges(), PidGains(), Targets(), 500.0, lambda *_progress: None
-    )
+    what = PlantModel(), MechanismRanges(), PidGains(), Targets(), 500.0
+    tuner = tune.Tuner(InThisProcess(), *what, lambda *_progress: None)
     return tuner.tune(10, 20, 0)
 
 
@@ -126,9 +126,9 @@ def test_where_nothing_will_do_that_is_said(monkeypatch):
 
 def test_what_was_only_lucky_in_the_choice_is_not_recommended(monkeypatch):
     class Confirming(Loops):
-        def __call__(self, models, tried, seeds, control_rate):
+        def __call__(self, engine, models, tried, seeds, control_rate):
             self.is_choice = seeds[0] >= tune.SCREENING
-            return super().__call__(models, tried, seeds, control_rate)
+            return super().__call__(engine, models, tried, seeds, control_rate)
 
     loops = Confirming(lambda one, **_: not loops.is_choice and one.dead_zone.ratio < 0.55)
     monkeypatch.setattr(tune, "run_loops", loops)
@@ -157,6 +157,7 @@ def options(tmp_path, **changes):
         "screening": 10,
         "loops": 10,
         "seed": 0,
+        "workers": None,
         "output": tmp_path / "tuned.yaml",
         "json": True,
     }
@@ -233,6 +234,7 @@ def test_the_command_prints_a_table(tmp_path, monkeypatch, capsys):
     [
         ({"loops": 5}, "--loops 5: must be 10 to 1000000"),
         ({"seed": -1}, "--seed -1"),
+        ({"workers": 0}, "--workers 0: must be 1 to 1024"),
         ({"range": ["friction=1"]}, "must be NAME=SHARE with one of back_emf"),
         ({"range": ["damping=x"]}, "--range damping=x"),
         ({"bandwidth": 0.0}, "--bandwidth, --phase-margin: Targets.bandwidth = 0.0 rad/s: must be"),

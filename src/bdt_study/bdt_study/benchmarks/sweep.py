@@ -15,6 +15,8 @@ from tempfile import TemporaryDirectory
 import yaml
 
 from bdt_study.benchmarks.result import BenchmarkResult, BenchmarkSize, compared
+from bdt_study.engine.job import Engine
+from bdt_study.engine.local_workers import LocalWorkers
 from bdt_study.simulation.closed_loop import (
     discrete_loop,
     initial_state,
@@ -24,7 +26,6 @@ from bdt_study.simulation.closed_loop import (
 from bdt_study.simulation.configured_loop import LoopParameters
 from bdt_study.simulation.loop_kernel import run_kernel
 from bdt_study.sweep.batches import batches
-from bdt_study.sweep.engine import Engine, LocalWorkers
 from bdt_study.sweep.study import Study
 from bdt_study.sweep.study_file import read_study
 
@@ -111,13 +112,14 @@ def _rate(study: Study, folder: Path, engine: Engine) -> tuple[float, float]:
     data.create(resume=False)
     began = before = 0.0
     runs = 0
-    for result in engine.results(batches(study, data.missing())):
-        data.write(result)
-        if not began:
-            began, before = time.perf_counter(), _peak_memory()
-        else:
-            runs += len(result.values)
-    rate = runs / (time.perf_counter() - began) if runs else 0.0
+    with engine:
+        for number, result in engine.results(batches(study, data.missing())):
+            data.write(number, result)
+            if not began:
+                began, before = time.perf_counter(), _peak_memory()
+            else:
+                runs += len(result.values)
+        rate = runs / (time.perf_counter() - began) if runs else 0.0
     return rate, _peak_memory() - before
 
 
@@ -125,7 +127,7 @@ def _dask_rate(study: Study, folder: Path, cores: int) -> tuple[float, float]:
     # Only sweeps on a cluster need Dask.
     from distributed import LocalCluster  # noqa: PLC0415
 
-    from bdt_study.sweep.dask_cluster import DaskCluster  # noqa: PLC0415
+    from bdt_study.engine.dask_cluster import DaskCluster  # noqa: PLC0415
 
     cluster = LocalCluster(
         n_workers=cores, threads_per_worker=1, host="127.0.0.1", dashboard_address=None

@@ -4,6 +4,12 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from bdt_msgs_py.commands import Command
+from bdt_study.commands.engine_options import (
+    add_resume,
+    add_scheduler,
+    add_workers,
+    missing_packages_told,
+)
 
 RUNS = 10
 """Runs of each case and estimator unless more are asked for."""
@@ -34,6 +40,15 @@ def _add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--seed", type=int, metavar="N", default=0, help="number of the first scenario (default: 0)"
     )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder in which each finished run is kept, as Parquet",
+    )
+    add_resume(parser)
+    add_workers(parser)
+    add_scheduler(parser)
     parser.add_argument("--figure", type=Path, metavar="FILE", help="picture of the errors")
     parser.add_argument("--json", action="store_true", help="print the table as JSON")
 
@@ -42,7 +57,8 @@ def _evaluate(options: Namespace) -> int:
     # The list of commands needs neither numba nor a plotting library.
     from bdt_study.evaluation.evaluate import evaluate  # noqa: PLC0415
 
-    return evaluate(options)
+    with missing_packages_told("bdt evaluate"):
+        return evaluate(options)
 
 
 COMMAND = Command(

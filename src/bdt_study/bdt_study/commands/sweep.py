@@ -5,9 +5,12 @@ from pathlib import Path
 
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.commands import Command
-
-NEEDED = ("pyarrow", "SALib", "distributed")
-"""Python packages without which there is no sweep, and that nothing else here has a use for."""
+from bdt_study.commands.engine_options import (
+    add_resume,
+    add_scheduler,
+    add_workers,
+    missing_packages_told,
+)
 
 
 def _add_arguments(parser: ArgumentParser) -> None:
@@ -26,20 +29,9 @@ def _add_arguments(parser: ArgumentParser) -> None:
         help="folder of the data set (default: sweeps/NAME OF THE STUDY), of the replayed run, or "
         "file of the page",
     )
-    parser.add_argument(
-        "--workers",
-        type=int,
-        metavar="N",
-        help="processes on this computer (default: one for each core)",
-    )
-    parser.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="of a Dask scheduler, e.g. tcp://10.0.0.1:8786, whose workers do the work",
-    )
-    parser.add_argument(
-        "--resume", action="store_true", help="go on with what is in the folder already"
-    )
+    add_workers(parser)
+    add_scheduler(parser)
+    add_resume(parser)
     parser.add_argument(
         "--dry-run",
         action="store_true",
@@ -49,12 +41,8 @@ def _add_arguments(parser: ArgumentParser) -> None:
 
 
 def _sweep(options: Namespace) -> int:
-    try:
+    with missing_packages_told("bdt sweep"):
         return _chosen(options)
-    except ModuleNotFoundError as error:
-        if error.name not in NEEDED:
-            raise
-        raise BadInputError(f"bdt sweep: needs the Python package {error.name}") from error
 
 
 def _chosen(options: Namespace) -> int:

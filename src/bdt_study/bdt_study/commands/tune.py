@@ -4,6 +4,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from bdt_msgs_py.commands import Command
+from bdt_study.commands.engine_options import add_workers
 
 SCREENING = 100
 """Random loops by which candidates are chosen, unless more are asked for."""
@@ -61,6 +62,7 @@ def _add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--seed", type=int, metavar="N", default=0, help="number of the first loop (default: 0)"
     )
+    add_workers(parser)
     parser.add_argument(
         "--output",
         type=Path,

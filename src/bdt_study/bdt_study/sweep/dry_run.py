@@ -7,9 +7,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from bdt_study.engine.part_folder import part_name
 from bdt_study.sweep.batches import batches
-from bdt_study.sweep.data_set import DataSet, part_name
-from bdt_study.sweep.run_batch import Batch, run_batch
+from bdt_study.sweep.data_set import DataSet
+from bdt_study.sweep.run_batch import Batch
 from bdt_study.sweep.run_points import RunPoints
 from bdt_study.sweep.study import Study
 
@@ -69,7 +70,7 @@ def dry_run(study: Study, workers: int | None = None) -> SweepEstimate:
     points = RunPoints(study)
 
     def run(number: int) -> None:
-        run_batch(Batch(0, study, points.between(number, number + 1)))
+        Batch(0, study, points.between(number, number + 1)).run()
 
     run(0)  # compiles
     tried, began = 0, time.perf_counter()
@@ -81,8 +82,8 @@ def dry_run(study: Study, workers: int | None = None) -> SweepEstimate:
         data = DataSet(Path(folder), study)
         data.create(resume=False)
         whole = next(batches(study, [0]))
-        some = run_batch(Batch(0, study, points.between(0, min(tried, len(whole.points.seeds)))))
-        data.write(some)
+        some = Batch(0, study, points.between(0, min(tried, len(whole.points.seeds)))).run()
+        data.write(0, some)
         size = (data.parts_folder / part_name(0)).stat().st_size
     parts = data.cutting.count
     room = size * max(parts, round(study.runs / len(some.values)))

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.metadata import version
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +23,7 @@ from bdt_study.simulation.loop_kernel import SIMULATED, run_kernel
 from bdt_study.sweep.axis import Axis
 from bdt_study.sweep.run_quantities import RunQuantity, quantity_of
 from bdt_study.sweep.run_result import RunResult
-from bdt_study.sweep.study import PACKAGE, Study
+from bdt_study.sweep.study import Study
 
 FloatArray = NDArray[np.float64]
 
@@ -52,6 +51,22 @@ class Points(NamedTuple):
     columns: tuple[list[Any], ...]
 
 
+@dataclass(frozen=True, eq=False)
+class BatchResult:
+    """What the runs of a batch gave.
+
+    Attributes
+    ----------
+    points : Points
+        The runs.
+    values : ndarray, shape (runs, quantities)
+        What was computed; NaN for what is unknown.
+    """
+
+    points: Points
+    values: FloatArray
+
+
 @dataclass(frozen=True)
 class Batch:
     """Runs that are worked on together and become a part of the data set together.
@@ -70,43 +85,22 @@ class Batch:
     study: Study
     points: Points
 
+    @property
+    def name(self) -> str:
+        """What it is, in a few words."""
+        return f"part {self.number}"
 
-@dataclass(frozen=True, eq=False)
-class BatchResult:
-    """What the runs of a batch gave.
+    def run(self) -> BatchResult:
+        """Run the loops.
 
-    Attributes
-    ----------
-    number : int
-        Number of the part.
-    points : Points
-        The runs.
-    values : ndarray, shape (runs, quantities)
-        What was computed; NaN for what is unknown.
-    """
-
-    number: int
-    points: Points
-    values: FloatArray
-
-
-def run_batch(batch: Batch) -> BatchResult:
-    """Run a batch.
-
-    Raises
-    ------
-    BadInputError
-        If the values of a run do not go together, a function of the user's fails, or this process
-        has another version of the package than the one that asks.
-    """
-    here = version(PACKAGE)
-    if batch.study.version != here:
-        raise BadInputError(
-            f"a worker has {PACKAGE} {here}, the sweep {batch.study.version}: must be the same"
-        )
-    prepared = _prepared(batch.study)
-    rows = [prepared.values_of(*run) for run in _runs(batch.points)]
-    return BatchResult(batch.number, batch.points, np.array(rows, dtype=np.float64))
+        Raises
+        ------
+        BadInputError
+            If the values of a run do not go together, or a function of the user's fails.
+        """
+        prepared = _prepared(self.study)
+        rows = [prepared.values_of(*run) for run in _runs(self.points)]
+        return BatchResult(self.points, np.array(rows, dtype=np.float64))
 
 
 def run_result(study: Study, values: Sequence[Any], seed: int, run: int) -> RunResult:

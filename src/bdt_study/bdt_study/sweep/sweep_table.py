@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from pyarrow import compute, dataset
 
 from bdt_msgs_py.command_errors import BadInputError
-from bdt_study.sweep.data_set import PARTS, STUDY
+from bdt_study.engine.part_folder import PARTS
+from bdt_study.sweep.data_set import STUDY
 from bdt_study.sweep.study import Study, study_from_text
 
 FloatArray = NDArray[np.float64]

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from bdt_controller.reference import ReferenceProfile
 from bdt_plant.gap_profile import GapProfile, gaps_at
 from bdt_plant.plant import PlantModel, Sampling
+from bdt_study.engine.function_map import mapped
+from bdt_study.engine.job import Engine
 from bdt_study.evaluation.case import Case
 from bdt_study.evaluation.cases import CASES, draw_scenario
 from bdt_study.evaluation.trial import judged_steps
@@ -24,7 +26,6 @@ from bdt_study.simulation.closed_loop import (
 )
 from bdt_study.simulation.loop_kernel import run_kernel
 from bdt_study.simulation.loop_model import LoopInputs
-from bdt_study.simulation.worker_pool import WorkerPool
 from bdt_study.tuning.robust_design import ControllerDesign
 from bdt_twin.dead_zone_tolerance import DeadZoneSettings
 
@@ -85,15 +86,18 @@ class LoopOutcome:
 
 
 def run_loops(
+    engine: Engine,
     models: Sequence[PlantModel],
     tried: Sequence[Tried],
     seeds: Sequence[int],
     control_rate: float,
 ) -> Iterator[list[LoopOutcome]]:
-    """Iterate over what each controller makes of each random loop, on all cores.
+    """Iterate over what each controller makes of each random loop.
 
     Parameters
     ----------
+    engine : Engine
+        What works on it.
     models : sequence of PlantModel
         Mechanisms, of which each loop draws one.
     tried : sequence of Tried
@@ -109,7 +113,7 @@ def run_loops(
         For each of `tried`, loop by loop in the order of `seeds`.
     """
     trial = partial(run_loop, models, tried, control_rate=control_rate)
-    yield from WorkerPool(trial).in_order(iter(seeds))
+    yield from mapped(engine, trial, seeds)
 
 
 def run_loop(

@@ -22,6 +22,7 @@ from bdt_msgs_py.topics import CONTROLLER_NODE, DRIVER_NODE, PLANT_NODE, TWIN_NO
 from bdt_plant.plant import Sampling
 from bdt_study.calibration.calibrated_configuration import nested
 from bdt_study.calibration.start_values import Configuration, read_configuration, start_model
+from bdt_study.engine.chosen_engine import chosen_engine
 from bdt_study.tuning.mechanism_ranges import MechanismRanges, read_ranges
 from bdt_study.tuning.targets import Targets
 from bdt_study.tuning.tune import Tuner, Tuning
@@ -61,13 +62,14 @@ def run_tuning(options: argparse.Namespace) -> int:
     nominal = start_model(configuration, {})
     if not nominal.is_piecewise_linear:
         raise BadInputError(f"--config {options.config}: the mechanism is not linear")
-    with _progress() as progress:
+    with chosen_engine(options.workers) as engine, _progress() as progress:
         task = progress.add_task("", total=None)
 
         def tell(what: str, done: int, total: int) -> None:
             progress.update(task, description=what, completed=done, total=total)
 
-        tuner = Tuner(nominal, ranges, _gains(configuration), targets, control_rate, tell)
+        gains = _gains(configuration)
+        tuner = Tuner(engine, nominal, ranges, gains, targets, control_rate, tell)
         result = tuner.tune(options.screening, options.loops, options.seed)
     if options.output is not None:
         try:

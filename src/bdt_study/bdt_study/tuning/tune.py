@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from bdt_controller.pid import PidGains
 from bdt_plant.plant import PlantModel
+from bdt_study.engine.job import Engine
 from bdt_study.tuning.candidate_outcome import Candidate, summarize
 from bdt_study.tuning.linear_judgment import LinearJudgment, judge
 from bdt_study.tuning.loop_trial import LoopOutcome, Tried, run_loops
@@ -74,6 +75,8 @@ class Tuner:
 
     Parameters
     ----------
+    engine : Engine
+        What works on the random loops.
     nominal : PlantModel
         The mechanism as it is believed to be.
     ranges : MechanismRanges
@@ -90,6 +93,7 @@ class Tuner:
 
     def __init__(
         self,
+        engine: Engine,
         nominal: PlantModel,
         ranges: MechanismRanges,
         gains: PidGains,
@@ -97,6 +101,7 @@ class Tuner:
         control_rate: float,
         progress: Progress,
     ) -> None:
+        self._engine = engine
         self._models = corners(nominal, ranges)
         self._nominal, self._ranges, self._targets = nominal, ranges, targets
         self._today = Tried(ControllerDesign("as it is", gains), DeadZoneSettings(margin=MARGIN))
@@ -182,7 +187,7 @@ class Tuner:
         what: str,
     ) -> list[Candidate]:
         outcomes: list[list[LoopOutcome]] = []
-        for outcome in run_loops(models, tried, seeds, self._rate):
+        for outcome in run_loops(self._engine, models, tried, seeds, self._rate):
             outcomes.append(outcome)
             self._progress(what, len(outcomes), len(seeds))
         return [

@@ -13,7 +13,7 @@ from bdt_study.sweep.batches import batches
 from bdt_study.sweep.data_set import DataSet
 from bdt_study.sweep.study_file import read_study
 
-dask_cluster = pytest.importorskip("bdt_study.sweep.dask_cluster")
+dask_cluster = pytest.importorskip("bdt_study.engine.dask_cluster")
 
 DEADLINE = 120.0
 SERVE = ["--host", "127.0.0.1", "--port", "0"]
@@ -64,14 +64,17 @@ def test_killed_workers_and_a_lost_scheduler_cost_no_bytes(
         if written == 40:
             scheduler.kill()
 
-    def work():
-        results = dask_cluster.DaskCluster(address).results(batches(study, data.missing()))
-        for written, result in enumerate(results, start=1):
-            data.write(result)
+    def work(engine):
+        results = engine.results(batches(study, data.missing()))
+        for written, (number, result) in enumerate(results, start=1):
+            data.write(number, result)
             disturb(written)
 
-    with pytest.raises(LoopError, match=f"the scheduler {address} is gone; .* --resume"):
-        work()
+    with (
+        dask_cluster.DaskCluster(address) as engine,
+        pytest.raises(LoopError, match=f"^the scheduler {address} is gone$"),
+    ):
+        work(engine)
     assert 40 <= len(list(data.parts_folder.iterdir())) < len(expected)
     assert bytes_of(data.folder).items() <= expected.items()
 
@@ -80,9 +83,3 @@ def test_killed_workers_and_a_lost_scheduler_cost_no_bytes(
     assert run_command([*arguments, "--scheduler", address]) == BAD_INPUT
     told = capsys.readouterr().err
     assert told == f"error: --scheduler {address}: no scheduler answers there\n"
-
-
-def test_workers_of_here_and_of_a_scheduler_are_not_both_asked_for(study_file, capsys):
-    arguments = ["sweep", str(study_file()), "--workers", "1", "--scheduler", "tcp://127.0.0.1:1"]
-    assert run_command(arguments) == BAD_INPUT
-    assert "a --scheduler has workers of its own" in capsys.readouterr().err
