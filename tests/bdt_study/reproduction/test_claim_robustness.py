@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from bdt_study.engine.in_this_process import InThisProcess
 from bdt_study.reproduction.claim_robustness import open_choices, robustness_figure, sweep_choices
 from bdt_study.reproduction.claims import CLAIMS
 from bdt_study.reproduction.experiments import Choices
@@ -15,7 +16,7 @@ BIAS = [claim.__name__ for claim in CLAIMS].index("bias_is_small")
 @pytest.fixture(scope="module")
 def robustness_results():
     amplitude = open_choices()[0]
-    return sweep_choices([replace(amplitude, values=(0.5, 5.0))])
+    return sweep_choices(InThisProcess(), [replace(amplitude, values=(0.5, 5.0))])
 
 
 def test_every_choice_is_tried_as_it_was_made():

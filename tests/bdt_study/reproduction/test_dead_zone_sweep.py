@@ -2,13 +2,14 @@
 
 import pytest
 
+from bdt_study.engine.in_this_process import InThisProcess
 from bdt_study.reproduction.dead_zone_sweep import sweep_tolerances, tolerance_figure
 from bdt_study.reproduction.experiments import Choices
 
 
 @pytest.fixture(scope="module")
 def outcomes():
-    return sweep_tolerances(Choices(), (0.0, 1.0, 4.0))
+    return sweep_tolerances(InThisProcess(), Choices(), (0.0, 1.0, 4.0))
 
 
 def test_too_narrow_fails_and_too_wide_costs_bias(outcomes):

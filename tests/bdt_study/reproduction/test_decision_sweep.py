@@ -2,6 +2,7 @@
 
 import pytest
 
+from bdt_study.engine.in_this_process import InThisProcess
 from bdt_study.reproduction.decision_sweep import (
     EQUATION_9,
     ORACLE,
@@ -18,7 +19,7 @@ from bdt_study.reproduction.experiments import Choices
 
 @pytest.fixture(scope="module")
 def outcomes():
-    return sweep_decisions(Choices(), (20.0,))
+    return sweep_decisions(InThisProcess(), Choices(), (20.0,))
 
 
 def test_every_way_is_tried(outcomes):

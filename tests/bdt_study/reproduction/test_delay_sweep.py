@@ -2,6 +2,7 @@
 
 import pytest
 
+from bdt_study.engine.in_this_process import InThisProcess
 from bdt_study.reproduction.delay_sweep import (
     DelayOutcome,
     DelaySweep,
@@ -16,7 +17,7 @@ from bdt_study.reproduction.experiments import Choices
 
 @pytest.fixture(scope="module")
 def sweep():
-    return sweep_delays(Choices(), (0.0, 1.0, 30.0), random_runs=2)
+    return sweep_delays(InThisProcess(), Choices(), (0.0, 1.0, 30.0), random_runs=2)
 
 
 def test_one_second_does_not_matter_and_thirty_do(sweep):

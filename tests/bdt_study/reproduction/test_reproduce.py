@@ -8,25 +8,27 @@ import numpy as np
 import pytest
 
 from bdt_bringup.cli import run_command
+from bdt_study.engine.in_this_process import InThisProcess
 from bdt_study.reproduction.claim_robustness import open_choices
 from bdt_study.reproduction.reproduce import run_reproduction
 from bdt_study.reproduction.sweep_settings import SweepSettings
 
 PAPER_FIGURES = ("figure_2.png", "figure_3.png", "figure_4.png", "figure_6.png", "figure_7.png")
 FEWER = SweepSettings(
+    delays=(0.0, 1.0, 30.0),
     dead_zone_ratios=(0.0, 1.0, 4.0),
     choices=tuple(replace(choice, values=choice.values[-1:]) for choice in open_choices()),
     gaps=tuple(np.deg2rad([2.5, 30.0]).tolist()),
     stiffness_factors=(0.8, 60.0),
     decision_gaps=(28.0,),
 )
-"""All delays, on which claims rest, and the ends of what is only drawn."""
+"""All random delays, on which a claim rests, and the ends of what is only drawn."""
 
 
 @pytest.fixture(scope="module")
 def output(tmp_path_factory):
     folder = tmp_path_factory.mktemp("reproduction") / "new"
-    assert run_reproduction(folder, FEWER, as_json=True) == 0
+    assert run_reproduction(InThisProcess(), folder, FEWER, as_json=True) == 0
     return folder
 
 
@@ -74,7 +76,7 @@ def test_json_prints_the_claims(output, capsys, monkeypatch):
     failing = command.Claim("fig7_x", "It is so.", 1.0, "m", holds=False, meaning="made up")
     nothing = command.Reproduction((failing,), {}, (), (), ())
     sizes = []
-    monkeypatch.setattr(command, "reproduce", lambda _, size, __: sizes.append(size) or nothing)
+    monkeypatch.setattr(command, "reproduce", lambda *given: sizes.append(given[2]) or nothing)
     assert run_command(["reproduce", "--output", str(output), "--json"]) == 1
     printed = capsys.readouterr()
     assert json.loads(printed.out) == [failing.to_dictionary()]

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from bdt_msgs_py.command_errors import LoopError
 from bdt_msgs_py.commands import Command
+from bdt_study.commands.engine_options import add_workers
 
 
 def _add_arguments(parser: ArgumentParser) -> None:
@@ -15,14 +16,17 @@ def _add_arguments(parser: ArgumentParser) -> None:
         default=Path("reproduction"),
         help="folder for index.html, figures and claims.json (default: reproduction)",
     )
+    add_workers(parser)
     parser.add_argument("--json", action="store_true", help="print claims.json")
 
 
 def _reproduce(options: Namespace) -> int:
     # The list of commands needs neither numba nor a plotting library.
+    from bdt_study.engine.chosen_engine import chosen_engine  # noqa: PLC0415
     from bdt_study.reproduction.reproduce import run_reproduction  # noqa: PLC0415
 
-    failed = run_reproduction(options.output, as_json=options.json)
+    with chosen_engine(options.workers) as engine:
+        failed = run_reproduction(engine, options.output, as_json=options.json)
     if failed:
         raise LoopError(f"{failed} claims do not hold")
     return 0

@@ -2,15 +2,15 @@
 
 import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from os import cpu_count
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bdt_analysis.figures import figure_style as style
 from bdt_controller.pid import PidGains
+from bdt_study.engine.function_map import mapped
+from bdt_study.engine.job import Engine
 from bdt_study.reproduction.claims import CLAIMS, Claim
 from bdt_study.reproduction.experiments import Choices, run_paper
 
@@ -117,11 +117,18 @@ class ClaimRobustness:
         ]
 
 
-def sweep_choices(choices: Sequence[OpenChoice]) -> tuple[ClaimRobustness, ...]:
-    """Ask all claims again for each value of each choice, over the cores."""
+def sweep_choices(engine: Engine, choices: Sequence[OpenChoice]) -> tuple[ClaimRobustness, ...]:
+    """Ask all claims again for each value of each choice.
+
+    Parameters
+    ----------
+    engine : Engine
+        What works on it.
+    choices : sequence of OpenChoice
+        The choices.
+    """
     variations = [choice.apply(value) for choice in choices for value in choice.values]
-    with ThreadPoolExecutor(cpu_count()) as pool:
-        answers = list(pool.map(_claims, variations))
+    answers = list(mapped(engine, _claims, variations))
     robustness_results = []
     for choice in choices:
         count = len(choice.values)

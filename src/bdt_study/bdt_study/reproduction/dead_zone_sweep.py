@@ -3,13 +3,16 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from bdt_analysis.figures import figure_style as style
 from bdt_plant.gap_profile import GapProfile
-from bdt_study.reproduction.experiments import Choices, Experiment, constant_experiment
+from bdt_study.engine.function_map import mapped
+from bdt_study.engine.job import Engine
+from bdt_study.reproduction.experiments import Choices, constant_experiment
 
 GAP = math.radians(20.0)
 """Constant true gap [rad]."""
@@ -47,12 +50,14 @@ class ToleranceOutcome:
 
 
 def sweep_tolerances(
-    choices: Choices, ratios: Sequence[float] = RATIOS
+    engine: Engine, choices: Choices, ratios: Sequence[float] = RATIOS
 ) -> tuple[ToleranceOutcome, ...]:
     """Run the controller with constant dead zones at a constant gap of 20 degrees.
 
     Parameters
     ----------
+    engine : Engine
+        What works on it.
     choices : Choices
         What the paper leaves open; its gap and duration are replaced.
     ratios : sequence of float
@@ -63,7 +68,7 @@ def sweep_tolerances(
         gap=GapProfile(kind="constant", initial=GAP),
         duration=STEPS * choices.step_time,
     )
-    return tuple(_outcome(ratio, constant_experiment(changed, ratio * GAP)) for ratio in ratios)
+    return tuple(mapped(engine, partial(_outcome, changed), ratios))
 
 
 def tolerance_figure(outcomes: Sequence[ToleranceOutcome]) -> Figure:
@@ -99,7 +104,8 @@ def tolerance_figure(outcomes: Sequence[ToleranceOutcome]) -> Figure:
     return figure
 
 
-def _outcome(ratio: float, run: Experiment) -> ToleranceOutcome:
+def _outcome(choices: Choices, ratio: float) -> ToleranceOutcome:
+    run = constant_experiment(choices, ratio * GAP)
     settled = run.settling_times[np.isfinite(run.settling_times)]
     return ToleranceOutcome(
         ratio,

@@ -7,6 +7,8 @@ closed-loop asymptotical stability and to avoid over-conservative design"; eq. 9
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,6 +17,8 @@ from numpy.typing import NDArray
 from bdt_analysis.figures import figure_style as style
 from bdt_plant.gap_profile import GapProfile
 from bdt_study.design.tuned_gains import TUNED_GAINS
+from bdt_study.engine.function_map import mapped
+from bdt_study.engine.job import Engine
 from bdt_study.reproduction.claims import Claim
 from bdt_study.reproduction.experiments import (
     Choices,
@@ -37,6 +41,7 @@ LARGEST_BIAS = 0.9
 """Worst bias at the largest gap that a decision by simulation is to have [% of the amplitude]."""
 
 EQUATION_9, SIMULATED, REDESIGNED, ORACLE = "eq. 9", "simulated", "with redesigned gains", "oracle"
+WAYS = (EQUATION_9, SIMULATED, REDESIGNED, ORACLE)
 DECIDES = DecisionSettings(kind="simulate", period=40.0)
 """A constant gap needs few simulations."""
 
@@ -70,17 +75,21 @@ class DecisionOutcome:
     width: float
 
 
-def sweep_decisions(choices: Choices, gaps: Sequence[float] = GAPS) -> tuple[DecisionOutcome, ...]:
+def sweep_decisions(
+    engine: Engine, choices: Choices, gaps: Sequence[float] = GAPS
+) -> tuple[DecisionOutcome, ...]:
     """Run all ways to decide on the nominal mechanism with constant gaps.
 
     Parameters
     ----------
+    engine : Engine
+        What works on it.
     choices : Choices
         What the paper leaves open; its gap and duration are replaced.
     gaps : sequence of float
         Gaps [deg].
     """
-    return tuple(outcome for gap in gaps for outcome in _outcomes(choices, gap))
+    return tuple(mapped(engine, partial(_outcome, choices), product(gaps, WAYS)))
 
 
 def decisions_are_stable(outcomes: Sequence[DecisionOutcome]) -> Claim:
@@ -157,21 +166,34 @@ def decision_figure(outcomes: Sequence[DecisionOutcome]) -> Figure:
     return figure
 
 
-def _outcomes(choices: Choices, gap: float) -> list[DecisionOutcome]:
-    angle = math.radians(gap)
+def _outcome(choices: Choices, gap_and_way: tuple[float, str]) -> DecisionOutcome:
+    gap, way = gap_and_way
+    run = _run(choices, math.radians(gap), way)
+    times = run.settling_times[1:]
+    return DecisionOutcome(
+        way,
+        gap,
+        float(run.biases[1:].max()),
+        float(np.median(np.where(np.isfinite(times), times, np.inf))),
+        int(run.limit_cycles[1:].sum()),
+        100.0 * float(_in_force(run, choices.step_time).max()) / choices.amplitude,
+    )
+
+
+def _run(choices: Choices, gap: float, way: str) -> Experiment:
     changed = replace(
         choices,
-        gap=GapProfile(kind="constant", initial=angle),
+        gap=GapProfile(kind="constant", initial=gap),
         duration=STEPS * choices.step_time,
     )
-    redesigning = replace(DECIDES, reconfigure_gains=True)
-    runs = {
-        EQUATION_9: constant_experiment(changed, angle),
-        SIMULATED: reconfigured_experiment(changed, decision=DECIDES),
-        REDESIGNED: reconfigured_experiment(changed, decision=redesigning, redesign=TUNED_GAINS),
-        ORACLE: _oracle(changed, angle),
-    }
-    return [_outcome(choices, way, gap, run) for way, run in runs.items()]
+    if way == EQUATION_9:
+        return constant_experiment(changed, gap)
+    if way == SIMULATED:
+        return reconfigured_experiment(changed, decision=DECIDES)
+    if way == REDESIGNED:
+        redesigning = replace(DECIDES, reconfigure_gains=True)
+        return reconfigured_experiment(changed, decision=redesigning, redesign=TUNED_GAINS)
+    return _oracle(changed, gap)
 
 
 def _oracle(choices: Choices, gap: float) -> Experiment:
@@ -186,18 +208,6 @@ def _oracle(choices: Choices, gap: float) -> Experiment:
             break
         best = run
     return best
-
-
-def _outcome(choices: Choices, way: str, gap: float, run: Experiment) -> DecisionOutcome:
-    times = run.settling_times[1:]
-    return DecisionOutcome(
-        way,
-        gap,
-        float(run.biases[1:].max()),
-        float(np.median(np.where(np.isfinite(times), times, np.inf))),
-        int(run.limit_cycles[1:].sum()),
-        100.0 * float(_in_force(run, choices.step_time).max()) / choices.amplitude,
-    )
 
 
 def _in_force(run: Experiment, begin: float) -> FloatArray:

@@ -1,14 +1,15 @@
 """The link between twin and controller: how much delay the reconfigurable controller bears."""
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from os import cpu_count
+from functools import partial
 
 from matplotlib.figure import Figure
 
 from bdt_analysis.figures import figure_style as style
 from bdt_analysis.metrics.step_analysis import LIMIT_CYCLE_THRESHOLD
+from bdt_study.engine.function_map import mapped
+from bdt_study.engine.job import Engine
 from bdt_study.reproduction.claims import LARGEST_BIAS, Claim
 from bdt_study.reproduction.experiments import Choices, reconfigured_experiment
 from bdt_twin.link import LinkSettings
@@ -71,12 +72,17 @@ class DelaySweep:
 
 
 def sweep_delays(
-    choices: Choices, delays: Sequence[float] = DELAYS, random_runs: int = RANDOM_RUNS
+    engine: Engine,
+    choices: Choices,
+    delays: Sequence[float] = DELAYS,
+    random_runs: int = RANDOM_RUNS,
 ) -> DelaySweep:
     """Run the reconfigurable controller with many delays.
 
     Parameters
     ----------
+    engine : Engine
+        What works on it.
     choices : Choices
         What the paper leaves open.
     delays : sequence of float
@@ -85,23 +91,18 @@ def sweep_delays(
         Number of runs in which every message has a delay of its own, uniform from 0 to 2 s, so
         that messages overtake each other.
     """
-
-    def fixed(delay: float) -> DelayOutcome:
-        return _outcome(choices, LinkSettings(communication_delay=delay))
-
-    def random(seed: int) -> DelayOutcome:
-        link = LinkSettings(
+    fixed = [LinkSettings(communication_delay=delay) for delay in delays]
+    random = [
+        LinkSettings(
             communication_delay=0.5 * LONGEST_RANDOM,
             delay_distribution="uniform",
             delay_spread=1.0,
             link_seed=seed,
         )
-        return _outcome(choices, link)
-
-    with ThreadPoolExecutor(cpu_count()) as pool:
-        return DelaySweep(
-            tuple(pool.map(fixed, delays)), tuple(pool.map(random, range(random_runs)))
-        )
+        for seed in range(random_runs)
+    ]
+    outcomes = tuple(mapped(engine, partial(_outcome, choices), [*fixed, *random]))
+    return DelaySweep(outcomes[: len(fixed)], outcomes[len(fixed) :])
 
 
 def paper_delay_is_harmless(sweep: DelaySweep) -> Claim:

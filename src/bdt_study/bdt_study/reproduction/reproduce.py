@@ -5,6 +5,8 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +19,8 @@ from bdt_analysis.figures.figure_style import write_png
 from bdt_analysis.figures.run_figures import overview_figure, residual_figure
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_plant.plant import PlantModel
+from bdt_study.engine.function_map import mapped
+from bdt_study.engine.job import Engine
 from bdt_study.limit_cycles.comparison import (
     LimitCycleComparison,
     compare_over_gap,
@@ -70,11 +74,15 @@ class Reproduction:
     accuracy: tuple[Convergence, ...]
 
 
-def run_reproduction(output: Path, size: SweepSettings | None = None, *, as_json: bool) -> int:
+def run_reproduction(
+    engine: Engine, output: Path, size: SweepSettings | None = None, *, as_json: bool
+) -> int:
     """Redo the paper, write figures, ``index.html`` and ``claims.json``, print the claims.
 
     Parameters
     ----------
+    engine : Engine
+        What works on the sweeps.
     output : Path
         Folder, created if necessary; results of an earlier run are replaced.
     size : SweepSettings, optional
@@ -95,7 +103,7 @@ def run_reproduction(output: Path, size: SweepSettings | None = None, *, as_json
     try:
         output.mkdir(parents=True, exist_ok=True)
         with _progress() as progress:
-            result = reproduce(Choices(), size or SweepSettings(), progress)
+            result = reproduce(engine, Choices(), size or SweepSettings(), progress)
             task = progress.add_task("writing figures", total=None)
             write_reproduction(result, output)
             progress.remove_task(task)
@@ -112,12 +120,14 @@ def run_reproduction(output: Path, size: SweepSettings | None = None, *, as_json
 
 
 def reproduce(
-    choices: Choices, size: SweepSettings, progress: Progress | None = None
+    engine: Engine, choices: Choices, size: SweepSettings, progress: Progress | None = None
 ) -> Reproduction:
     """Run all simulations and draw all figures.
 
     Parameters
     ----------
+    engine : Engine
+        What works on the sweeps.
     choices : Choices
         What the paper leaves open.
     size : SweepSettings
@@ -145,23 +155,23 @@ def reproduce(
             **_loop_figures("figure_7", runs.reconfigured),
         }
     with stage("communication delays"):
-        sweep = delay_sweep.sweep_delays(choices, size.delays, size.random_delays)
+        sweep = delay_sweep.sweep_delays(engine, choices, size.delays, size.random_delays)
         figures["delays.png"] = delay_sweep.delay_figure(sweep, choices.amplitude)
     with stage("dead-zone tolerances"):
-        outcomes = dead_zone_sweep.sweep_tolerances(choices, size.dead_zone_ratios)
+        outcomes = dead_zone_sweep.sweep_tolerances(engine, choices, size.dead_zone_ratios)
         figures["dead_zone_widths.png"] = dead_zone_sweep.tolerance_figure(outcomes)
     with stage("decisions by simulation"):
-        decided = decision_sweep.sweep_decisions(choices, size.decision_gaps)
+        decided = decision_sweep.sweep_decisions(engine, choices, size.decision_gaps)
         figures["decisions.png"] = decision_sweep.decision_figure(decided)
     with stage("other choices"):
-        robustness_results = claim_robustness.sweep_choices(size.choices)
+        robustness_results = claim_robustness.sweep_choices(engine, size.choices)
         figures["choices.png"] = claim_robustness.robustness_figure(robustness_results)
     with stage("limit cycles, predicted and simulated"):
         model = PlantModel()
         over_gap = compare_over_gap(model, choices.gains, np.array(size.gaps))
-        over_stiffness = compare_over_stiffness(
-            model, choices.gains, STIFFNESS_GAP, np.array(size.stiffness_factors)
-        )
+        compare = partial(compare_over_stiffness, model, choices.gains, STIFFNESS_GAP)
+        factors = np.array(size.stiffness_factors).reshape(-1, 1)
+        over_stiffness = tuple(chain.from_iterable(mapped(engine, compare, factors)))
         figures["limit_cycles.png"] = limit_cycle_figure(model, over_gap, over_stiffness)
     with stage("accuracy of the kernel"):
         accuracy = convergence_study()
