@@ -1,13 +1,6 @@
-"""Options of the commands that run many loops, and what they say where a package is missing."""
+"""Options of the commands that run many loops."""
 
 from argparse import ArgumentParser
-from collections.abc import Iterator
-from contextlib import contextmanager
-
-from bdt_msgs_py.command_errors import BadInputError
-
-OPTIONAL = ("pyarrow", "SALib", "distributed")
-"""Python packages of the extra `sweep`: nobody needs them without data sets and clusters."""
 
 
 def add_workers(parser: ArgumentParser) -> None:
@@ -34,25 +27,3 @@ def add_resume(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--resume", action="store_true", help="go on with what is in the folder already"
     )
-
-
-@contextmanager
-def missing_packages_told(command: str) -> Iterator[None]:
-    """Have a package that is missing said in one line.
-
-    Parameters
-    ----------
-    command : str
-        What needs it.
-
-    Raises
-    ------
-    BadInputError
-        If one of `OPTIONAL` cannot be imported.
-    """
-    try:
-        yield
-    except ModuleNotFoundError as error:
-        if error.name not in OPTIONAL:
-            raise
-        raise BadInputError(f"{command}: needs the Python package {error.name}") from error

@@ -4,12 +4,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from bdt_msgs_py.commands import Command
-from bdt_study.commands.engine_options import (
-    add_resume,
-    add_scheduler,
-    add_workers,
-    missing_packages_told,
-)
+from bdt_study.commands.engine_options import add_resume, add_scheduler, add_workers
 
 RUNS = 10
 """Runs of each case and estimator unless more are asked for."""
@@ -57,8 +52,7 @@ def _evaluate(options: Namespace) -> int:
     # The list of commands needs neither numba nor a plotting library.
     from bdt_study.evaluation.evaluate import evaluate  # noqa: PLC0415
 
-    with missing_packages_told("bdt evaluate"):
-        return evaluate(options)
+    return evaluate(options)
 
 
 COMMAND = Command(

@@ -5,12 +5,8 @@ from pathlib import Path
 
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.commands import Command
-from bdt_study.commands.engine_options import (
-    add_resume,
-    add_scheduler,
-    add_workers,
-    missing_packages_told,
-)
+from bdt_study.commands.engine_options import add_resume, add_scheduler, add_workers
+from bdt_study.engine.optional_packages import DATA_SETS, INDICES, check_imports
 
 
 def _add_arguments(parser: ArgumentParser) -> None:
@@ -41,13 +37,10 @@ def _add_arguments(parser: ArgumentParser) -> None:
 
 
 def _sweep(options: Namespace) -> int:
-    with missing_packages_told("bdt sweep"):
-        return _chosen(options)
-
-
-def _chosen(options: Namespace) -> int:
+    check_imports("bdt sweep", DATA_SETS)
     # The list of commands needs neither numba nor pyarrow.
     if options.what == "report":
+        check_imports("bdt sweep report", INDICES)
         from bdt_study.sweep.report_sweep import report  # noqa: PLC0415
 
         (folder,) = _checked(options, "DIR")

@@ -3,6 +3,7 @@
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_study.engine.job import Engine
 from bdt_study.engine.local_workers import LocalWorkers
+from bdt_study.engine.optional_packages import CLUSTERS, check_imports
 
 MOST_WORKERS = 1024
 
@@ -20,11 +21,12 @@ def chosen_engine(workers: int | None, scheduler: str | None = None) -> Engine:
     Raises
     ------
     BadInputError
-        If the number makes no sense, both are given, or no scheduler answers.
+        If the number makes no sense, both are given, Dask is missing, or no scheduler answers.
     """
     check_workers(workers, scheduler)
     if scheduler is None:
         return LocalWorkers(workers)
+    check_imports("--scheduler", CLUSTERS)
     # Nobody needs Dask on a single computer.
     from bdt_study.engine.dask_cluster import DaskCluster  # noqa: PLC0415
 

@@ -13,6 +13,7 @@ from bdt_plant.plant import PlantModel
 from bdt_study.engine.chosen_engine import chosen_engine
 from bdt_study.engine.job import Engine
 from bdt_study.engine.job_progress import JobProgress
+from bdt_study.engine.optional_packages import DATA_SETS, check_imports
 from bdt_study.evaluation.case import Case
 from bdt_study.evaluation.cases import CASES
 from bdt_study.evaluation.outcome import summarize_trials
@@ -38,7 +39,9 @@ def evaluate(options: argparse.Namespace) -> int:
         If workers or the scheduler are lost.
     """
     evaluation = _evaluation(options)
-    if options.resume and options.output is None:
+    if options.output is not None:
+        check_imports("--output", DATA_SETS)
+    elif options.resume:
         raise BadInputError("--resume: needs --output, the folder to go on with")
     if options.figure is not None:
         prepare_output("--figure", options.figure, PICTURES)
