@@ -40,10 +40,23 @@ def test_parts_are_read_by_anybody_whatever_the_order_in_which_they_came(letters
     assert letters.missing() == []
 
 
+def test_who_reads_while_a_part_is_written_sees_those_that_are_whole(letters, monkeypatch):
+    letters.create(resume=False)
+    letters.write(0, "a")
+    seen = []
+
+    def read(_):
+        seen.append(dataset.dataset(letters.parts_folder).to_table().num_rows)
+
+    monkeypatch.setattr(part_folder.os, "fsync", read)
+    letters.write(1, "b")
+    assert seen[0] == 1
+
+
 def test_it_is_taken_up_with_the_parts_that_are_whole(letters):
     letters.create(resume=False)
     letters.write(1, "b")
-    left = letters.parts_folder / f"{part_name(2)}.tmp"
+    left = letters.parts_folder / f".{part_name(2)}.unfinished"
     left.write_bytes(b"half a part")
     letters.create(resume=True)
     assert letters.missing() == [0, 2, 3]
@@ -58,14 +71,14 @@ def test_more_parts_of_the_same_are_wanted_later(letters):
     assert more.missing() == [1, 2, 3, 4, 5]
 
 
-@pytest.mark.parametrize("left", [None, "plan.json.tmp", "plan.json"])
+@pytest.mark.parametrize("left", [None, ".plan.json.unfinished", "plan.json"])
 def test_what_was_killed_at_its_very_beginning_begins_anew(letters, left):
     if left == "plan.json":
         letters.create(resume=False)
         letters.parts_folder.rmdir()
     else:
         letters.folder.mkdir()
-    if left == "plan.json.tmp":
+    if left == ".plan.json.unfinished":
         (letters.folder / left).write_text("{")
     letters.create(resume=True)
     assert letters.missing() == [0, 1, 2, 3]

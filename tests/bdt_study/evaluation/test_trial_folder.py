@@ -92,6 +92,12 @@ def test_scenarios_that_nobody_asks_for_are_left_out(tmp_path):
     assert kept.missing() == []
 
 
+def test_before_the_first_trial_is_finished_there_is_none(tmp_path):
+    kept = written(tmp_path)
+    assert list(kept.finished()) == []
+    assert kept.missing() == [0, 1, 2]
+
+
 def test_a_part_that_is_none_is_told(tmp_path):
     kept = written(tmp_path, a_trial())
     (kept.parts_folder / "part-0000001.parquet").write_bytes(b"something else")

@@ -71,7 +71,7 @@ def test_interrupted_killed_and_resumed_the_bytes_are_the_same(undisturbed, byte
     assert f"bdt sweep {study} --output {output} --resume" in last
     interrupted_at = count()
     assert 0 < interrupted_at < len(expected)
-    assert not list(parts.glob("*.tmp"))
+    assert not list(parts.glob("*.unfinished"))
 
     process = started(study, "--output", output, "--workers", 1, "--resume")
     wait_for(lambda: count() > interrupted_at)

@@ -22,7 +22,8 @@ from bdt_study.engine.job import Result
 
 PARTS = "runs"
 """Folder of the parts within the whole one."""
-UNFINISHED = ".tmp"
+UNFINISHED = ".{}.unfinished"
+"""Name of a file while it is written, with its later one: readers of Parquet pass over it."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ class PartFolder(ABC, Generic[Result]):
                 # Before all else: by this the folder is known, however soon the program is killed.
                 write_whole(known, self._identity.text.encode() + b"\n")
             create_folder(self.parts_folder)
-            for left in self.parts_folder.glob(f"*{UNFINISHED}"):
+            for left in self.parts_folder.glob(UNFINISHED.format("*")):
                 left.unlink()
         except OSError as error:
             raise not_writable("--output", self.folder, error) from error
@@ -140,7 +141,7 @@ class PartFolder(ABC, Generic[Result]):
 
     def _is_empty(self) -> bool:
         """Tell whether there is nothing but what a killed program left of its first file."""
-        first = f"{self._identity.file_name}{UNFINISHED}"
+        first = UNFINISHED.format(self._identity.file_name)
         return self.folder.is_dir() and all(path.name == first for path in self.folder.iterdir())
 
 
@@ -157,7 +158,7 @@ def write_whole(path: Path, content: bytes) -> None:
     OSError
         If it cannot be written; nothing of it is left then.
     """
-    unfinished = path.with_name(f"{path.name}{UNFINISHED}")
+    unfinished = path.with_name(UNFINISHED.format(path.name))
     try:
         with unfinished.open("wb") as file:
             file.write(content)
