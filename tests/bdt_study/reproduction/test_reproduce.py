@@ -87,9 +87,14 @@ def test_json_prints_the_claims(output, capsys, monkeypatch):
     assert len(sizes[0].stiffness_factors) == 14
 
 
-def test_a_file_in_place_of_the_folder_is_one_line_and_exit_code_2(tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [(["--output", "file"], "--output file: "), (["--workers", "0"], "--workers 0: ")],
+)
+def test_bad_input_is_one_line_and_exit_code_2(arguments, says, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")
-    assert run_command(["reproduce", "--output", str(tmp_path / "file")]) == 2
+    assert run_command(["reproduce", *arguments]) == 2
     error = capsys.readouterr().err
-    assert error.startswith("error: --output ")
+    assert error.startswith(f"error: {says}")
     assert len(error.splitlines()) == 1
