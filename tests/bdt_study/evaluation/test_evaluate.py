@@ -1,7 +1,6 @@
 """`bdt evaluate` as a command: options, JSON, figure, and runs that are kept and gone on with."""
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -215,7 +214,7 @@ def test_ctrl_c_keeps_what_is_finished_and_tells_how_to_go_on(monkeypatch, tmp_p
 
         def results(self, jobs):
             for number, result in super().results(jobs):
-                os.kill(os.getpid(), signal.SIGINT)
+                signal.raise_signal(signal.SIGINT)
                 yield number, result
 
     monkeypatch.setattr(evaluate, "chosen_engine", lambda *_: Interrupted())

@@ -113,7 +113,7 @@ def test_another_ctrl_c_does_not_wait_for_what_is_in_work(
         def results(self, jobs):
             yield next(super().results(jobs))
             for _ in range(2):
-                os.kill(os.getpid(), signal.SIGINT)
+                signal.raise_signal(signal.SIGINT)
             pytest.fail("waited")
 
     monkeypatch.setattr(run_sweep, "chosen_engine", lambda *_: Endless())
