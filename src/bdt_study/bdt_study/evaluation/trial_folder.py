@@ -35,7 +35,7 @@ class TrialColumn(NamedTuple):
     meaning : str
         What it is.
     unknown : float
-        What an empty place in a list stands for: a spreadsheet and SQL know neither.
+        What an empty place in a list stands for: spreadsheets know neither NaN nor infinity.
     """
 
     name: str
