@@ -12,7 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "extensions"))
 
-from python_packages import PACKAGES, package_contents
+from python_packages import PACKAGES, forget_old_pages, package_contents
 
 project = "Backlash digital twin"
 author = "Backlash Digital Twin developers"
@@ -44,6 +44,7 @@ myst_heading_anchors = 4
 # Python packages: a page each, with a section for each of its modules.
 autosummary_generate = True
 autosummary_context = {"contents": package_contents()}
+forget_old_pages(Path(__file__).parent / "reference/api/generated", autosummary_context["contents"])
 if not autosummary_context["contents"].keys() >= set(PACKAGES):
     # A build farm has no numpy and no rclpy; there rosdoc2 makes a page of each package by itself.
     # Here it would be a warning, and with `make docs` an error.

@@ -50,6 +50,20 @@ def described(html):
     return {kind: set(names) for kind, names in inventory.data.items()}
 
 
+def test_pages_of_modules_that_are_gone_are_forgotten(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(SOURCE / "extensions")
+    from python_packages import forget_old_pages
+
+    folder, contents = tmp_path / "generated", {"bdt_twin": {"packages": [], "modules": ["a", "b"]}}
+    forget_old_pages(folder, contents)
+    page = folder / "bdt_twin.rst"
+    page.write_text("a b", encoding="utf-8")
+    forget_old_pages(folder, contents)
+    assert page.exists()
+    forget_old_pages(folder, {"bdt_twin": {"packages": [], "modules": ["a"]}})
+    assert not page.exists()
+
+
 def public_names(package):
     """Iterate over the public functions and classes of a package, by their full names."""
     path = import_module(package).__path__

@@ -1,7 +1,10 @@
 """Which Python packages and modules this project has, and what a page says without them."""
 
+import json
 import pkgutil
+import shutil
 from importlib.util import find_spec
+from pathlib import Path
 
 from docutils import nodes
 from sphinx.util import logging
@@ -44,6 +47,25 @@ def package_contents() -> dict[str, dict[str, list[str]]]:
             if item.ispkg:
                 contents[item.name] = {"packages": [], "modules": []}
     return contents
+
+
+def forget_old_pages(folder: Path, contents: dict[str, dict[str, list[str]]]) -> None:
+    """Remove generated pages that were made of other modules.
+
+    Sphinx looks for all that pages list which an earlier build has left, and warns of what is gone.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of generated pages, which keeps a note of what they were made of.
+    contents : dict
+        What there is now, from :func:`package_contents`.
+    """
+    note, now = folder / "contents.json", json.dumps(contents)
+    if not note.is_file() or note.read_text(encoding="utf-8") != now:
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        note.write_text(now, encoding="utf-8")
 
 
 def left_out(directive: SphinxDirective, error: ImportError) -> list[nodes.Node]:

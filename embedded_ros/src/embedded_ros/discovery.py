@@ -22,6 +22,7 @@ from cyclonedds.core import Qos
 from cyclonedds.domain import DomainParticipant
 
 from embedded_ros.endpoints import ros_type_of
+from embedded_ros.held_signals import HeldSignals
 
 __all__ = ["Discovery", "Endpoint"]
 
@@ -90,7 +91,7 @@ class _Present(Generic[_T]):
         self._lock = threading.RLock()
 
     def all(self) -> list[_T]:
-        with self._lock:
+        with self._lock, HeldSignals():
             if self._reader is None:
                 self._reader = BuiltinDataReader(self._participant, self._topic)
             while samples := self._take(self._reader._ref):

@@ -18,6 +18,7 @@ from embedded_ros import cyclone
 from embedded_ros.cdr import ENCAPSULATION, CdrError, codec
 from embedded_ros.deadline import Deadline
 from embedded_ros.endpoints import Reader, Writer
+from embedded_ros.held_signals import HeldSignals
 from embedded_ros.qos_profile import QoSProfile
 from embedded_ros.session import Session
 
@@ -184,7 +185,8 @@ def _client_id(lookup: Callable[..., Any], entity: int, peer: int) -> str | None
     from cyclonedds.builtin_types import cqos_to_qos, endpoint_constructor
     from cyclonedds.core import Policy
 
-    data = lookup(entity, peer, endpoint_constructor, cqos_to_qos)
+    with HeldSignals():
+        data = lookup(entity, peer, endpoint_constructor, cqos_to_qos)
     if data is None or isinstance(data, int):
         return None
     policy = data.qos[Policy.Userdata] if Policy.Userdata in data.qos else None  # noqa: SIM401

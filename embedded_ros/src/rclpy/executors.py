@@ -158,4 +158,6 @@ class MultiThreadedExecutor(Executor):
         if threading.current_thread() in self.__threads._threads:
             return True
         left = Deadline(timeout_sec).seconds_left()
-        return not concurrent.futures.wait(self.__started, left).not_done
+        # One that never began is cancelled, and nobody would tell of that.
+        begun = [started for started in self.__started if not started.cancelled()]
+        return not concurrent.futures.wait(begun, left).not_done
