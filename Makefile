@@ -9,9 +9,15 @@ BIN := $(VENV)/bin
 PACKAGES := $(addprefix src/,bdt_msgs_py bdt_plant bdt_controller bdt_driver bdt_serial_drive bdt_drive_emulator bdt_twin bdt_bags bdt_analysis bdt_study bdt_bringup bdt_live)
 SOURCES := src tests embedded_ros checks docs/make_figures.py docs/live_pictures.py docs/source/conf.py docs/source/extensions
 
-# Tests of one file share what they set up, so a file stays with one process. No more processes than
-# processors: many tests run loops in real time.
-PARALLEL ?= --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+# Tests of one file share what they set up, so a file stays with one process. Most tests wait now and
+# then: there is one process more than processors. Loops in real time come after them, with a processor
+# for each process.
+BY_FILE := --dist loadfile --no-loadscope-reorder
+PROCESSES := $(shell n=$$(nproc); echo $$((n < 4 ? n + 1 : 4)))
+define run_tests
+	$(1)/python -m pytest --numprocesses $(PROCESSES) $(BY_FILE) -m "not real_time"
+	$(1)/python -m pytest --numprocesses auto --maxprocesses 4 $(BY_FILE) -m real_time
+endef
 
 .PHONY: run hardware test test-noble conformance stray-messages soak setup check docs figures dist dist-test version lock
 
@@ -24,12 +30,12 @@ hardware: setup
 	$(BIN)/python -m checks.emulated_hardware $(if $(DURATION),--duration $(DURATION))
 
 test: check $(VENV)/.docs-ready
-	$(BIN)/python -m pytest $(PARALLEL)
+	$(call run_tests,$(BIN))
 
 # The tests with the versions that Ubuntu 24.04 ships, in an environment of its own.
 test-noble:
 	$(MAKE) --no-print-directory setup VENV=.venv-noble PYTHON=python3.11 VERSIONS=requirements-noble.txt
-	.venv-noble/bin/python -m pytest $(PARALLEL)
+	$(call run_tests,.venv-noble/bin)
 
 # The documented behavior of rclpy: that of a ROS 2 that is sourced, else that of embedded_ros.
 conformance:

@@ -31,6 +31,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 pytest_plugins = ["browser", "recorded_loops"]
 
 LONG = (
+    "test_tutorials_in_real_time",
+    "test_tutorials",
     "test_run",
     "test_page",
     "test_output_error",
@@ -50,17 +52,12 @@ LONG = (
 )
 """Files of tests that take long: where one begins last, one process works alone."""
 
-IN_REAL_TIME = "test_tutorials"
-"""The file that comes last, when there is a computer for it: its loops do not wait for others."""
-
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put the long files first; xdist puts those first that have most tests."""
 
     def place(item: pytest.Item) -> int:
         name = item.path.stem
-        if name == IN_REAL_TIME:
-            return len(LONG) + 1
         return LONG.index(name) if name in LONG else len(LONG)
 
     items.sort(key=place)

@@ -163,6 +163,7 @@ def test_loops_in_namespaces_run_side_by_side_and_give_the_same_bytes(
         assert estimates
 
 
+@pytest.mark.real_time
 def test_real_time_takes_as_long_as_the_simulated_time(tmp_path):
     begin = time.monotonic()
     code, out, err = run(

@@ -8,6 +8,8 @@ import pytest
 from bdt_drive_emulator.emulated_drive import EmulatedDrive
 from bdt_driver.guarded_drive import DriveError
 
+pytestmark = pytest.mark.real_time
+
 DEADLINE = 30.0
 
 

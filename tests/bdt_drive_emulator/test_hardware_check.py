@@ -1,10 +1,14 @@
 """The serial drive and the emulator keep the contract with the driver, in real time."""
 
+import pytest
+
 from bdt_driver.driver_settings import DriveLimits, DriverSettings
 from bdt_driver.hardware_check.check import Outcome
 from bdt_driver.hardware_check.drive_stand import DriveStand
 from bdt_driver.hardware_check.runner import run_checks
 from bdt_driver.hardware_check.steady_clock import ComputerClock
+
+pytestmark = pytest.mark.real_time
 
 OF_THE_COMPUTER = {
     "follows",

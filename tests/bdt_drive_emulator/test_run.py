@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+pytestmark = pytest.mark.real_time
+
 CONFIG = Path(__file__).parents[2] / "config"
 DEADLINE = 180.0
 BDT = (sys.executable, "-m", "bdt_bringup.program")

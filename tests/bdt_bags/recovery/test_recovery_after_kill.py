@@ -15,6 +15,8 @@ from rosbags.rosbag2 import Reader
 from bdt_bags.reading.bag_reader import BagError
 from bdt_bags.recovery.recover_bag import recover_bag
 
+pytestmark = pytest.mark.real_time
+
 WRITERS = Path(__file__).with_name("counting_writers.py")
 KINDS = (
     "mcap:none:0:0",

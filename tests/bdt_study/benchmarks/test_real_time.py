@@ -14,6 +14,8 @@ from bdt_study.benchmarks.paced_timer import periods
 from bdt_study.benchmarks.real_time import Series, answered
 from bdt_study.benchmarks.result import BenchmarkSize
 
+pytestmark = pytest.mark.real_time
+
 BRIEF = BenchmarkSize(real_time_duration=0.5)
 RATE = 500.0
 

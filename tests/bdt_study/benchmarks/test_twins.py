@@ -9,6 +9,8 @@ from bdt_study.benchmarks.bench import run_benchmarks
 from bdt_study.benchmarks.result import BenchmarkSize
 from bdt_study.benchmarks.twins import Trial, largest_borne, trial
 
+pytestmark = pytest.mark.real_time
+
 
 @pytest.mark.parametrize(
     ("lags", "estimates", "expected"),
