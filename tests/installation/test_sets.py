@@ -41,6 +41,7 @@ for name in sys.argv[1:]:
 
 FIND = """
 import sys
+from importlib.util import find_spec
 print(*(name for name in sys.argv[1:] if find_spec(name)))
 """
 

@@ -1,6 +1,7 @@
 // One parameter of a node as a control of the page.
 
 const DEGREE = Math.PI / 180;
+const ECHO = 200; // ms in which a node still tells of values that were asked for before the last one
 
 // Parameters that come first, and what they are called here.
 export const RATHER = [
@@ -102,11 +103,18 @@ export class Control {
   async ask(value) {
     this.asked = (this.asked ?? 0) + 1;
     const turn = this.asked;
+    clearTimeout(this.settling);
+    this.isAsking = true;
     const reason = await this.setValue(value);
     if (turn !== this.asked) return; // another value has been asked for meanwhile
     this.reason.textContent = reason ?? "";
     this.reason.hidden = !reason;
-    if (reason) this.show(this.value);
+    const settle = () => {
+      this.isAsking = false;
+      this.show(this.value);
+    };
+    if (reason) settle();
+    else this.settling = setTimeout(settle, ECHO);
   }
 
   // Show the value in force, whoever has set it.
@@ -116,8 +124,8 @@ export class Control {
     if (this.described.kind === "switch") {
       this.field.checked = value;
     } else if (this.described.kind === "slider") {
-      const isDragged = this.slider.matches(":active");
-      if (!isDragged) {
+      // What comes meanwhile is mostly what was dragged over.
+      if (!this.isAsking && !this.slider.matches(":active")) {
         if (value < Number(this.slider.min)) this.slider.min = value;
         if (value > Number(this.slider.max)) this.slider.max = value;
         this.slider.value = value;
