@@ -12,6 +12,14 @@ from embedded_ros.endpoints import _carrier
 from embedded_ros import discovery
 
 
+@pytest.fixture(autouse=True)
+def ctrl_c_as_in_any_program():
+    """Give SIGINT its usual handler, whatever nodes this process has had."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.fixture
 def participant():
     return DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
