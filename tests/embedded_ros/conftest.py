@@ -1,5 +1,6 @@
-"""What tests of the ``ros2`` command share: a node that goes on while commands ask for it."""
+"""What tests of several files share: a node that goes on while others ask, and a usual Ctrl-C."""
 
+import signal
 import threading
 
 import pytest
@@ -20,3 +21,11 @@ def spin_in_thread(ros):
     yield spinner.start
     ros.executor.shutdown()
     spinner.join(20)
+
+
+@pytest.fixture
+def ctrl_c_as_in_any_program():
+    """Give SIGINT its usual handler, whatever nodes this process has had."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -11,13 +11,7 @@ from embedded_ros.endpoints import _carrier
 
 from embedded_ros import discovery
 
-
-@pytest.fixture(autouse=True)
-def ctrl_c_as_in_any_program():
-    """Give SIGINT its usual handler, whatever nodes this process has had."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
+pytestmark = pytest.mark.usefixtures("ctrl_c_as_in_any_program")
 
 
 @pytest.fixture

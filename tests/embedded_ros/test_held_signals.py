@@ -7,13 +7,7 @@ import pytest
 from embedded_ros.held_signals import HeldSignals
 from embedded_ros.service_calls import _client_id
 
-
-@pytest.fixture(autouse=True)
-def ctrl_c_as_in_any_program():
-    """Give SIGINT its usual handler, whatever nodes this process has had."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
+pytestmark = pytest.mark.usefixtures("ctrl_c_as_in_any_program")
 
 
 def interrupted_work(done):

@@ -128,7 +128,7 @@ class WindowModel:
 
     def _slope(self, position: FloatArray) -> FloatArray:
         """Return the velocity [m/s] of a position at its samples."""
-        # What numpy.gradient gives, which takes four times as long.
+        # To the bit what numpy.gradient gives, which takes more than twice as long.
         slope = np.empty(position.size)
         np.subtract(position[2:], position[:-2], out=slope[1:-1])
         slope[1:-1] *= 0.5

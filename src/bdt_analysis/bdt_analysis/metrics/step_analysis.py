@@ -105,8 +105,9 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
             SETTLING_BAND * step.height,
             step.length - step.window / 3,
         )
-    oscillation = find_oscillation(tail, sample_time) if judged else None
-    cycle = has_limit_cycle(tail, oscillation, step.scale) if oscillation else None
+    cycle, amplitude, frequency = (
+        _limit_cycle_of(tail, sample_time, step.scale) if judged else (None, None, None)
+    )
     return StepSummary(
         t_start_s=step.t_start,
         reference_m=step.reference,
@@ -115,11 +116,20 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
         bias_percent_of_amplitude=100 * bias / step.height if step.height else None,
         settling_time_s=settling,
         limit_cycle=cycle,
-        limit_cycle_amplitude_m=0.5 * oscillation_peak_to_peak(tail, oscillation)
-        if cycle and oscillation
-        else None,
-        limit_cycle_frequency_hz=oscillation_frequency(tail, sample_time) if cycle else None,
+        limit_cycle_amplitude_m=amplitude,
+        limit_cycle_frequency_hz=frequency,
     )
+
+
+def _limit_cycle_of(
+    tail: FloatArray, sample_time: float, scale: float | None
+) -> tuple[bool, float | None, float | None]:
+    """Return whether the end of a step is a limit cycle, its amplitude [m] and frequency [Hz]."""
+    oscillation = find_oscillation(tail, sample_time)
+    if not has_limit_cycle(tail, oscillation, scale):
+        return False, None, None
+    amplitude = 0.5 * oscillation_peak_to_peak(tail, oscillation)
+    return True, amplitude, oscillation_frequency(tail, sample_time)
 
 
 def settling_time(
