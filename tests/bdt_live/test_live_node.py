@@ -13,7 +13,7 @@ from bdt_controller.controller_node import ControllerNode
 from bdt_live.channel import Channel, channel_pair
 from bdt_live.extremes import COLUMNS
 from bdt_live.from_server import page_asks, page_has_come
-from bdt_live.live_node import LiveNode
+from bdt_live.live_node import STATE_PERIOD, LiveNode
 from bdt_live.page_requests import NODES
 from bdt_msgs_py.qos import publisher_profile
 from bdt_msgs_py.topics import TELEMETRY, TELEMETRY_COLUMNS, TRUTH, TRUTH_COLUMNS
@@ -156,3 +156,18 @@ def test_the_health_of_nodes_is_told(stand):
 def test_it_ends_with_the_process_of_the_page(stand):
     stand.channel.close()
     stand.ros.spin_until(lambda: stand.live.is_alone)
+
+
+def test_a_pause_is_told_at_once_not_with_the_next_look_at_the_nodes(stand):
+    plant = stand.ros.create(Node, "plant")
+    for name, value in {"pause_at": 1e9, "pace": 1.0}.items():
+        plant.declare_parameter(name, value)
+    while not stand.hear("parameters", node="plant")["controls"]:
+        pass
+    for timer in stand.live.timers:
+        if timer.timer_period_ns == STATE_PERIOD * 1e9:
+            timer.cancel()
+    for action, is_paused in [("pause", True), ("resume", False)] * 2:
+        stand.told.clear()
+        assert stand.ask(1, action) is None
+        stand.hear("state", paused=is_paused)

@@ -2,11 +2,11 @@
 
 import pytest
 
-from bdt_live.loop_control import LoopControl
+from bdt_live.loop_control import STEP, LoopControl
 from bdt_live.page_requests import PageRequest
 
 OFFERED = {
-    "plant": ("gap.kind", "gap.initial", "pace"),
+    "plant": ("gap.kind", "gap.initial", "pace", "pause_at"),
     "driver": (),
     "controller": ("dead_zone_tolerance", "pid.proportional"),
     "twin": ("reconfigure",),
@@ -21,11 +21,15 @@ class Nodes:
         self.parameters = {
             node: AskedNode(node, self, names) for node, names in {**OFFERED, **offered}.items()
         }
-        self.control = LoopControl(self.parameters, lambda: 12.5, lambda: 0.1)
+        self.time = 12.5
+        self.control = LoopControl(self.parameters, lambda: self.time, lambda: 0.1)
 
     def use(self, preset):
+        return self.do("preset", preset=preset)
+
+    def do(self, action, **fields):
         answers = []
-        self.control.do(PageRequest(1, "preset", preset=preset), answers.append)
+        self.control.do(PageRequest(1, action, **fields), answers.append)
         (answer,) = answers
         return answer
 
@@ -35,9 +39,11 @@ class AskedNode:
 
     def __init__(self, name, nodes, names):
         self.name, self._nodes, self.reconfigurable = name, nodes, names
+        self.values = {}
 
     def set(self, values, answer):
         self._nodes.asked.append((self.name, values))
+        self.values |= values
         answer(self._nodes.refusing.get(self.name))
 
 
@@ -77,3 +83,22 @@ def test_a_node_that_refuses_keeps_the_twin_from_nothing_and_its_reason_is_told(
     nodes.refusing = {"controller": "it has hung", "plant": "so has it"}
     assert nodes.use("paper") == "it has hung"
     assert nodes.asked[-1] == ("twin", {"reconfigure": True})
+
+
+def test_a_loop_that_is_stepped_is_paused_from_the_beginning_of_the_step_to_its_end():
+    """Or who presses "go on" right after "step" would ask for another pause."""
+    nodes = Nodes()
+    nodes.do("pause")
+    assert nodes.control.is_paused
+    nodes.do("step")
+    assert nodes.control.is_paused
+    nodes.time += STEP
+    assert nodes.control.is_paused
+    nodes.do("resume")
+    assert not nodes.control.is_paused
+
+
+def test_a_pause_that_is_far_away_is_none():
+    nodes = Nodes()
+    nodes.parameters["plant"].values["pause_at"] = nodes.time + 1.0
+    assert not nodes.control.is_paused

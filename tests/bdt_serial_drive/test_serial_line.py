@@ -36,6 +36,23 @@ def test_a_device_that_takes_no_bytes_for_the_time_it_may_take_hangs(hanging_por
     line.close()
 
 
+def test_a_computer_that_is_busy_is_no_device_that_hangs(hanging_port, monkeypatch):
+    """The process stands still for longer than the device may, and the bytes went at once."""
+    patience, stand_still = 0.01, 0.03
+    send = os.write
+
+    def send_and_stand_still(number, data):
+        sent = send(number, data)
+        time.sleep(stand_still)
+        return sent
+
+    monkeypatch.setattr(os, "write", send_and_stand_still)
+    line = SerialLine(hanging_port, 921600, patience)
+    for _ in range(3):
+        line.send(1, bytes(20))
+    line.close()
+
+
 @pytest.mark.parametrize(("watchdog", "patience"), [(0.01, 0.05), (0.3, 0.3)])
 def test_a_drive_is_given_as_long_as_its_watchdog(hanging_port, watchdog, patience):
     drive = SerialDrive(hanging_port, watchdog=watchdog, answer_timeout=0.0)

@@ -1,4 +1,4 @@
-"""What tests of several files share: a node that goes on while others ask, and a usual Ctrl-C."""
+"""What tests of several files share: a node that goes on while others ask, and usual signals."""
 
 import signal
 import threading
@@ -24,8 +24,10 @@ def spin_in_thread(ros):
 
 
 @pytest.fixture
-def ctrl_c_as_in_any_program():
-    """Give SIGINT its usual handler, whatever nodes this process has had."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+def signals_as_in_any_program():
+    """Give SIGINT and SIGTERM their usual handlers, whatever nodes this process has had."""
+    usual = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+    before = {number: signal.signal(number, handler) for number, handler in usual.items()}
     yield
-    signal.signal(signal.SIGINT, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)

@@ -11,7 +11,7 @@ from embedded_ros.endpoints import _carrier
 
 from embedded_ros import discovery
 
-pytestmark = pytest.mark.usefixtures("ctrl_c_as_in_any_program")
+pytestmark = pytest.mark.usefixtures("signals_as_in_any_program")
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import pytest
 from embedded_ros.held_signals import HeldSignals
 from embedded_ros.service_calls import _client_id
 
-pytestmark = pytest.mark.usefixtures("ctrl_c_as_in_any_program")
+pytestmark = pytest.mark.usefixtures("signals_as_in_any_program")
 
 
 def interrupted_work(done):

@@ -71,11 +71,12 @@ class LiveNode(Node):
         self._saving = BagSaving(output)
         self._marking = self.create_publisher(Header, MARK.name, publisher_profile(MARK))
         self._told_marks: list[float] = []
+        self._told_pause = False
         self.create_subscription(Log, "/rosout", self._take_log, 50)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(FRAME_PERIOD, self._send_frame, clock=steady)
         self.create_timer(REQUEST_PERIOD, self._take_requests, clock=steady)
-        self.create_timer(STATE_PERIOD, self._send_state, clock=steady)
+        self.create_timer(STATE_PERIOD, self._look_at_nodes, clock=steady)
 
     @property
     def messages(self) -> int:
@@ -92,17 +93,22 @@ class LiveNode(Node):
             self._channel.flush()
         if self._told_marks != list(self._listener.marks):
             self._tell_marks()
+        if self._told_pause != self._control.is_paused:
+            self._send_state()
         self._listener.look()
 
     def _tell_marks(self) -> None:
         self._told_marks = list(self._listener.marks)
         self._channel.send({"type": "marks", "times": self._told_marks})
 
-    def _send_state(self) -> None:
+    def _look_at_nodes(self) -> None:
         for parameters in self._parameters.values():
             parameters.look()
+        self._send_state()
+
+    def _send_state(self) -> None:
         state, now = self._health.state, time.monotonic()
-        timing = self._listener.timing
+        timing, self._told_pause = self._listener.timing, self._control.is_paused
         nodes = [
             {
                 "name": name,
@@ -122,7 +128,7 @@ class LiveNode(Node):
                 "rate": None if timing.rate is None else rounded(timing.rate),
                 "latency": None if timing.latency is None else rounded(timing.latency),
                 "pace": self._control.pace,
-                "paused": self._control.is_paused,
+                "paused": self._told_pause,
             },
             may_be_dropped=True,
         )

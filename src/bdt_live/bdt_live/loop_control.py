@@ -55,9 +55,9 @@ class LoopControl:
 
     @property
     def is_paused(self) -> bool:
-        """Whether the plant waits for a user."""
+        """Whether the plant waits for a user; in the middle of a step, too."""
         pause_at = self._plant_value("pause_at")
-        return pause_at is not None and pause_at <= self._time() + STEP
+        return pause_at is not None and pause_at <= self._time() + 2.0 * STEP
 
     @property
     def pace(self) -> float | None:

@@ -39,7 +39,7 @@ class SerialLine:
         self._sending = threading.Lock()
         try:
             self._port: Any = serial.Serial(
-                port, baud_rate, timeout=0.0, write_timeout=write_timeout, exclusive=True
+                port, baud_rate, timeout=0.0, write_timeout=0.0, exclusive=True
             )
         except (serial.SerialException, OSError, ValueError) as error:
             raise DriveError(f"port {port}: {_reason(error)}") from error
@@ -50,7 +50,10 @@ class SerialLine:
     def send(self, kind: int, payload: bytes = b"") -> None:
         """Send a frame; may be called by several threads."""
         with self._sending, self._one_line_errors():
-            self._port.write(encoded(Frame(kind, self._sequence, payload)))
+            waiting = encoded(Frame(kind, self._sequence, payload))
+            while waiting:
+                self._wait_for_room()
+                waiting = waiting[self._port.write(waiting) :]
             self._sequence += 1
 
     def receive(self, timeout: float = 0.0) -> list[Frame]:
@@ -70,14 +73,24 @@ class SerialLine:
         """Give the port back."""
         self._port.close()
 
+    def _wait_for_room(self) -> None:
+        """Wait until the port takes bytes.
+
+        The time is the kernel's, who looks once more at its end. A clock of this process, as
+        pyserial's own timeout has one, takes a busy computer for a device that hangs.
+        """
+        _, ready, _ = select.select([], [self._port], [], self._write_timeout)
+        if not ready:
+            raise DriveError(
+                f"port {self._name}: takes no bytes for {self._write_timeout:g} s: the device hangs"
+            )
+
     @contextmanager
     def _one_line_errors(self) -> Iterator[None]:
         try:
             yield
-        except serial.SerialTimeoutException as error:
-            raise DriveError(
-                f"port {self._name}: takes no bytes for {self._write_timeout:g} s: the device hangs"
-            ) from error
+        except DriveError:
+            raise
         # Closed by another thread, a port has no number any more: a TypeError of pyserial.
         except (serial.SerialException, OSError, TypeError, ValueError) as error:
             raise DriveError(f"port {self._name}: the device is gone: is the cable in?") from error
