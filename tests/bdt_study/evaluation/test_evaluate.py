@@ -195,6 +195,13 @@ def test_killed_and_resumed_the_table_is_the_same_and_no_finished_run_is_lost(
     assert parts(output).items() >= there.items()
 
 
+@pytest.mark.skipif(find_spec("distributed") is None, reason="beside a ROS 2 without Dask")
+def test_the_workers_of_a_scheduler_find_the_same(rows, cluster):
+    address, _, start_worker = cluster
+    start_worker()
+    assert rows("--runs", 2, "--scheduler", address) == rows("--runs", 2, "--workers", 1)
+
+
 @kept
 def test_more_runs_go_on_where_fewer_ended_and_fewer_are_still_known(
     in_this_process, rows, tmp_path
