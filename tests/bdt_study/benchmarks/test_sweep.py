@@ -11,12 +11,15 @@ from bdt_study.sweep.study_file import read_study
 
 data_set = pytest.importorskip("bdt_study.sweep.data_set", reason="beside a ROS 2 without pyarrow")
 
-TINY = BenchmarkSize(sweep_runs=100, sweep_kills=3)
+ROUNDS = 2
+TINY = BenchmarkSize(sweep_runs=100 * ROUNDS, sweep_kills=3)
 
 
 @pytest.fixture(autouse=True)
 def _short(monkeypatch):
     monkeypatch.setattr(sweep, "DURATION", 1.0)
+    monkeypatch.setattr(sweep, "ROUNDS", ROUNDS)
+    monkeypatch.setattr(sweep, "KERNEL_RUNS", 3)
     monkeypatch.setattr("bdt_study.sweep.batches.MOST_RUNS", 10)
 
 
@@ -26,10 +29,11 @@ def test_rates_stand_beside_what_they_are_to_reach(monkeypatch):
     results = run_benchmarks(["sweep"], TINY)["results"]
     assert [one["reference"] for one in results] == [
         "a million in 15 min",
-        "the kernel alone",
-        "cores",
-        "growth of memory in 100 runs",
+        "kernel, all cores",
+        "kernel, one core",
+        "kernel",
         "pool",
+        "growth of memory in 100 runs",
     ]
     assert results[0]["reference_value"] == pytest.approx(1111.1, rel=1e-3)
     assert all(one["value"] > 0 for one in results if one["unit"] != "MB")
@@ -54,7 +58,7 @@ def test_parts_that_differ_are_counted(monkeypatch):
     monkeypatch.setattr(sweep, "_run", run)
     (result,) = run_benchmarks(["sweep_kills"], TINY)["results"]
     assert len(lives) == 3
-    assert (result["value"], result["reference_value"]) == (1.0, 10.0)
+    assert (result["value"], result["reference_value"]) == (1.0, 20.0)
 
 
 @pytest.mark.parametrize("name", ["sweep", "sweep_kills"])

@@ -45,7 +45,7 @@ class BenchmarkSize:
     messages: int = 10000
     loop_duration: float = 20.0
     real_time_duration: float = 10.0
-    sweep_runs: int = 20_000
+    sweep_runs: int = 40_000
     sweep_kills: int = 50
     twins_duration: float = 15.0
 

@@ -6,11 +6,14 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
+from statistics import median
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 import yaml
 
@@ -38,28 +41,69 @@ GAPS = 10
 DEAD_ZONES = 10
 LONGEST_LIFE = 8.0
 """Longest time from the start of the command to its kill [s]."""
-KERNEL_RUNS = 30
+KERNEL_RUNS = 200
+"""Runs of the kernel alone on each core."""
+ROUNDS = 4
+"""How often all are measured in turn: the speed of a computer changes within minutes."""
+
+
+class _Round(NamedTuple):
+    """Runs in a second, measured one after the other, and the growth of memory [MB]."""
+
+    kernel: float
+    kernel_on_all: float
+    one: float
+    many: float
+    dask: float
+    grown: float
 
 
 def sweep(size: BenchmarkSize) -> list[BenchmarkResult]:
-    """Time runs of 20 s without a twin, from the study to the parts on the disk."""
+    """Time runs of 20 s without a twin, from the study to the parts on the disk.
+
+    Values are medians of the rounds, and so are ratios.
+    """
     name, unit = "sweep", "runs/s"
     if lacks := _lacking():
         return [BenchmarkResult(name, 0.0, unit, f"skipped: needs {lacks}")]
     cores = len(os.sched_getaffinity(0))
-    with _folder(size) as folder:
+    with _folder(size.sweep_runs // ROUNDS) as folder:
         study = read_study(folder / "study.yaml")
-        kernel = _kernel_rate(study)
-        one, grown = _rate(study, folder / "one", LocalWorkers(1))
-        many, _ = _rate(study, folder / "many", LocalWorkers(cores))
-        results = [
-            compared(name, many, unit, "a million in 15 min", MILLION / ENOUGH),
-            compared(name, one, f"{unit}, one worker", "the kernel alone", kernel),
-            compared(name, many / one, "times", "cores", float(cores)),
-            BenchmarkResult(name, grown, "MB", f"growth of memory in {study.runs} runs"),
-        ]
-        dask, _ = _dask_rate(study, folder / "dask", cores)
-        return [*results, compared(name, dask, f"{unit}, Dask", "pool", many)]
+        rounds = [_round(study, folder / str(number), cores) for number in range(ROUNDS)]
+
+    def beside(
+        unit: str,
+        value: Callable[[_Round], float],
+        reference: str,
+        its_value: Callable[[_Round], float],
+    ) -> BenchmarkResult:
+        found, its = median(map(value, rounds)), median(map(its_value, rounds))
+        ratio = median(value(one) / its_value(one) for one in rounds)
+        return BenchmarkResult(name, found, unit, reference, its, ratio)
+
+    grown = median(one.grown for one in rounds)
+    return [
+        beside(unit, lambda one: one.many, "a million in 15 min", lambda _: MILLION / ENOUGH),
+        beside(unit, lambda one: one.many, "kernel, all cores", lambda one: one.kernel_on_all),
+        beside(
+            f"{unit}, one worker", lambda one: one.one, "kernel, one core", lambda one: one.kernel
+        ),
+        beside(
+            "times with all cores",
+            lambda one: one.many / one.one,
+            "kernel",
+            lambda one: one.kernel_on_all / one.kernel,
+        ),
+        beside(f"{unit}, Dask", lambda one: one.dask, "pool", lambda one: one.many),
+        BenchmarkResult(name, grown, "MB", f"growth of memory in {study.runs} runs"),
+    ]
+
+
+def _round(study: Study, folder: Path, cores: int) -> _Round:
+    one, grown = _rate(study, folder / "one", LocalWorkers(1), 1)
+    many, _ = _rate(study, folder / "many", LocalWorkers(cores), cores)
+    dask, _ = _dask_rate(study, folder / "dask", cores)
+    return _Round(_kernel_rate(study, 1), _kernel_rate(study, cores), one, many, dask, grown)
 
 
 def sweep_kills(size: BenchmarkSize) -> list[BenchmarkResult]:
@@ -67,7 +111,7 @@ def sweep_kills(size: BenchmarkSize) -> list[BenchmarkResult]:
     if lacks := _lacking():
         return [BenchmarkResult("sweep_kills", 0.0, "", f"skipped: needs {lacks}")]
     draws = random.Random(20_261_122)  # noqa: S311
-    with _folder(size) as folder:
+    with _folder(size.sweep_runs) as folder:
         study = folder / "study.yaml"
         _run(study, folder / "whole")
         for _ in range(size.sweep_kills):
@@ -81,8 +125,8 @@ def sweep_kills(size: BenchmarkSize) -> list[BenchmarkResult]:
 
 
 @contextmanager
-def _folder(size: BenchmarkSize) -> Iterator[Path]:
-    """Give a folder with a study in it."""
+def _folder(runs: int) -> Iterator[Path]:
+    """Give a folder with a study of so many runs in it."""
     document = {
         "duration": DURATION,
         "estimator": "none",
@@ -91,7 +135,7 @@ def _folder(size: BenchmarkSize) -> Iterator[Path]:
             "plant.gap.initial": {"from": 0.02, "to": 0.5, "count": GAPS},
             "controller.dead_zone_tolerance": {"from": 0.0, "to": 1e-4, "count": DEAD_ZONES},
         },
-        "repetitions": max(size.sweep_runs // (GAPS * DEAD_ZONES), 1),
+        "repetitions": max(runs // (GAPS * DEAD_ZONES), 1),
         "compute": ["limit_cycle", "bias_percent", "settling_s"],
     }
     with TemporaryDirectory() as name:
@@ -100,10 +144,11 @@ def _folder(size: BenchmarkSize) -> Iterator[Path]:
         yield Path(name)
 
 
-def _rate(study: Study, folder: Path, engine: Engine) -> tuple[float, float]:
-    """Return runs in a second and growth of memory [MB], both from the first part on.
+def _rate(study: Study, folder: Path, engine: Engine, workers: int) -> tuple[float, float]:
+    """Return runs in a second and growth of memory [MB], once each worker has given a part.
 
-    What comes before is the start: of the workers, and of pyarrow in this process.
+    What comes before is the start: of the workers, and of pyarrow in this process. Workers give
+    their parts at nearly the same time, so to count from the first one of all would be too good.
     """
     # Only sweeps need pyarrow.
     from bdt_study.sweep.data_set import DataSet  # noqa: PLC0415
@@ -113,11 +158,12 @@ def _rate(study: Study, folder: Path, engine: Engine) -> tuple[float, float]:
     began = before = 0.0
     runs = 0
     with engine:
-        for number, result in engine.results(batches(study, data.missing())):
+        results = engine.results(batches(study, data.missing()))
+        for written, (number, result) in enumerate(results, start=1):
             data.write(number, result)
-            if not began:
+            if written == workers:
                 began, before = time.perf_counter(), _peak_memory()
-            else:
+            elif began:
                 runs += len(result.values)
         rate = runs / (time.perf_counter() - began) if runs else 0.0
     return rate, _peak_memory() - before
@@ -133,19 +179,25 @@ def _dask_rate(study: Study, folder: Path, cores: int) -> tuple[float, float]:
         n_workers=cores, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
     )
     with cluster:
-        return _rate(study, folder, DaskCluster(cluster.scheduler_address))
+        return _rate(study, folder, DaskCluster(cluster.scheduler_address), cores)
 
 
-def _kernel_rate(study: Study) -> float:
-    """Return runs in a second of the kernel alone, on one core."""
+def _kernel_rate(study: Study, cores: int) -> float:
+    """Return runs in a second of the kernel alone."""
     scenario = LoopParameters.from_values(study.node_values()).scenario(DURATION)
     inputs, step = sample_inputs(scenario), discrete_loop(scenario)
-    signals = signals_for(scenario, ("u", "q3"))
-    run_kernel(initial_state(scenario, inputs), step, inputs, signals)
+
+    def run(times: int) -> None:
+        signals = signals_for(scenario, ("u", "q3"))
+        for _ in range(times):
+            run_kernel(initial_state(scenario, inputs), step, inputs, signals)
+
+    run(1)
     began = time.perf_counter()
-    for _ in range(KERNEL_RUNS):
-        run_kernel(initial_state(scenario, inputs), step, inputs, signals)
-    return KERNEL_RUNS / (time.perf_counter() - began)
+    # The kernel holds no lock of Python's.
+    with ThreadPoolExecutor(cores) as threads:
+        list(threads.map(run, [KERNEL_RUNS] * cores))
+    return cores * KERNEL_RUNS / (time.perf_counter() - began)
 
 
 def _run(study: Path, output: Path, life: float | None = None) -> None:
