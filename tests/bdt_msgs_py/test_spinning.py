@@ -116,3 +116,10 @@ def test_a_look_without_a_message_between_two_messages_costs_no_time(clock):
     spin_at_intervals(executor, node)
     assert executor.looks[99] - executor.looks[0] == pytest.approx(99 * LOOK)
     assert node.messages == 50
+
+
+def test_it_ends_without_a_signal_if_somebody_says_so(clock):
+    node = Node()
+    executor = Executor(node, ["message"] * 5, clock)
+    spin_at_intervals(executor, node, lambda: node.messages == 3)
+    assert node.messages == 5

@@ -5,7 +5,6 @@
 
 import socket
 import sys
-import time
 from pathlib import Path
 
 from rclpy.executors import SingleThreadedExecutor
@@ -13,20 +12,12 @@ from rclpy.executors import SingleThreadedExecutor
 from bdt_live.channel import Channel
 from bdt_live.live_node import LiveNode
 from bdt_msgs_py.node_main import run_node
-from bdt_msgs_py.stop_signals import StopSignals
-
-IDLE = 0.004
-"""Wall time [s] between two looks at what has arrived: a loop must not wait for its spectator."""
+from bdt_msgs_py.spinning import spin_at_intervals
 
 
 def spin_while_watched(executor: SingleThreadedExecutor, node: LiveNode) -> None:
     """Run callbacks until the process of the page is gone, or a signal comes."""
-    with StopSignals() as signals:
-        while not (signals.requested or node.is_alone):
-            taken = node.messages
-            executor.spin_once(timeout_sec=0.0)
-            if node.messages == taken:
-                time.sleep(IDLE)
+    spin_at_intervals(executor, node, lambda: node.is_alone)
 
 
 def main(args: list[str] | None = None) -> None:

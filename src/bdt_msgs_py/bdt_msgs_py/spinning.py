@@ -29,7 +29,11 @@ class MessageCounter(Protocol):
     messages: int
 
 
-def spin_at_intervals(executor: SingleThreadedExecutor, node: MessageCounter) -> None:
+def spin_at_intervals(
+    executor: SingleThreadedExecutor,
+    node: MessageCounter,
+    is_over: Callable[[], bool] = lambda: False,
+) -> None:
     """Run callbacks until a signal comes, and then those of what was sent before it.
 
     An executor that waits is woken by every message, twice in a control period, and on a small
@@ -41,10 +45,12 @@ def spin_at_intervals(executor: SingleThreadedExecutor, node: MessageCounter) ->
         Executor that has the node.
     node : MessageCounter
         The node.
+    is_over : callable
+        Tells whether to end without a signal.
     """
     uninstall_signal_handlers()
     with StopSignals() as signals:
-        _spin_until_idle(executor, node, lambda: signals.requested)
+        _spin_until_idle(executor, node, lambda: signals.requested or is_over())
 
 
 def drain_messages(executor: SingleThreadedExecutor, node: MessageCounter) -> None:
