@@ -102,3 +102,10 @@ def test_a_pause_that_is_far_away_is_none():
     nodes = Nodes()
     nodes.parameters["plant"].values["pause_at"] = nodes.time + 1.0
     assert not nodes.control.is_paused
+
+
+@pytest.mark.parametrize(("mode", "pace"), [("lockstep", 2.0), ("realtime", None)])
+def test_a_plant_in_real_time_has_no_pace_that_could_be_chosen(mode, pace):
+    nodes = Nodes()
+    nodes.parameters["plant"].values |= {"mode": mode, "pace": 2.0}
+    assert nodes.control.pace == pace

@@ -62,7 +62,8 @@ class LoopControl:
     @property
     def pace(self) -> float | None:
         """Simulated seconds in a second at most; 0 for no limit, None where there is no pace."""
-        return self._plant_value("pace")
+        mode = self._parameters[PLANT_NODE].values.get("mode")
+        return self._plant_value("pace") if mode == "lockstep" else None
 
     def do(self, request: PageRequest, answer: Answer) -> None:
         """Do what a page asks for, of what parameters can do, and call `answer`.
