@@ -26,7 +26,9 @@ DRAIN_TIMEOUT = 2.0
 class MessageCounter(Protocol):
     """A node that counts the messages it takes."""
 
-    messages: int
+    @property
+    def messages(self) -> int:
+        """Number of messages taken."""
 
 
 def spin_at_intervals(
