@@ -31,7 +31,7 @@ class BenchmarkSize:
     real_time_duration : float
         Time of each loop in real time [s].
     sweep_runs : int
-        Number of runs of a sweep.
+        Number of runs of a sweep, for each core where workers are timed.
     sweep_kills : int
         Number of times that a sweep is killed.
     twins_duration : float
@@ -45,7 +45,7 @@ class BenchmarkSize:
     messages: int = 10000
     loop_duration: float = 20.0
     real_time_duration: float = 10.0
-    sweep_runs: int = 40_000
+    sweep_runs: int = 20_000
     sweep_kills: int = 50
     twins_duration: float = 15.0
 

@@ -67,7 +67,7 @@ def sweep(size: BenchmarkSize) -> list[BenchmarkResult]:
     if lacks := _lacking():
         return [BenchmarkResult(name, 0.0, unit, f"skipped: needs {lacks}")]
     cores = len(os.sched_getaffinity(0))
-    with _folder(size.sweep_runs // ROUNDS) as folder:
+    with _folder(size.sweep_runs * cores // ROUNDS) as folder:
         study = read_study(folder / "study.yaml")
         rounds = [_round(study, folder / str(number), cores) for number in range(ROUNDS)]
 
