@@ -10,13 +10,13 @@ PACKAGES := $(addprefix src/,bdt_msgs_py bdt_plant bdt_controller bdt_driver bdt
 SOURCES := src tests embedded_ros checks docs/make_figures.py docs/live_pictures.py docs/source/conf.py docs/source/extensions
 
 # Tests of one file share what they set up, so a file stays with one process. Most tests wait now and
-# then: there is one process more than processors. Loops in real time come after them, with a processor
-# for each process.
+# then: there is one process more than processors. Loops in real time come after them, one by one: they
+# are several processes each.
 BY_FILE := --dist loadfile --no-loadscope-reorder
 PROCESSES := $(shell n=$$(nproc); echo $$((n < 4 ? n + 1 : 4)))
 define run_tests
 	$(1)/python -m pytest --numprocesses $(PROCESSES) $(BY_FILE) -m "not real_time"
-	$(1)/python -m pytest --numprocesses auto --maxprocesses 4 $(BY_FILE) -m real_time
+	$(1)/python -m pytest -m real_time
 endef
 
 .PHONY: run hardware test test-noble conformance stray-messages soak setup check docs figures dist dist-test version lock
