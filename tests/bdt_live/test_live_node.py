@@ -55,10 +55,10 @@ class Stand:
         assert reply["page"] == 7
         return reply["reason"]
 
-    def controls(self):
-        """Return the controls of the controller by name, once it has told them."""
+    def controls(self, node="controller"):
+        """Return the controls of a node by name, once it has told them."""
         while True:
-            told = self.hear("parameters", node="controller")["controls"]
+            told = self.hear("parameters", node=node)["controls"]
             if told:
                 return {control["name"]: control for control in told}
 
@@ -162,8 +162,7 @@ def test_a_pause_is_told_at_once_not_with_the_next_look_at_the_nodes(stand):
     plant = stand.ros.create(Node, "plant")
     for name, value in {"pause_at": 1e9, "pace": 1.0}.items():
         plant.declare_parameter(name, value)
-    while not stand.hear("parameters", node="plant")["controls"]:
-        pass
+    stand.controls("plant")
     for timer in stand.live.timers:
         if timer.timer_period_ns == STATE_PERIOD * 1e9:
             timer.cancel()

@@ -13,6 +13,7 @@ from bdt_msgs_py.spinning import (
     SPIN_PERIOD,
     drain_messages,
     spin_at_intervals,
+    spin_at_intervals_until,
 )
 
 LOOK = 1e-5
@@ -118,8 +119,13 @@ def test_a_look_without_a_message_between_two_messages_costs_no_time(clock):
     assert node.messages == 50
 
 
-def test_it_ends_without_a_signal_if_somebody_says_so(clock):
+def test_who_needs_no_rest_ends_at_once_by_a_word_or_a_signal(clock):
+    """Where a loop goes on, messages would be waited out for seconds."""
     node = Node()
-    executor = Executor(node, ["message"] * 5, clock)
-    spin_at_intervals(executor, node, lambda: node.messages == 3)
-    assert node.messages == 5
+    spin_at_intervals_until(
+        Executor(node, ["message"] * 5, clock), node, lambda: node.messages == 3
+    )
+    assert node.messages == 3
+    queue = ["message", "signal", *["message"] * 5]
+    spin_at_intervals_until(Executor(node, queue, clock), node, lambda: False)
+    assert node.messages == 4

@@ -52,7 +52,7 @@ class LiveNode(Node):
     Attributes
     ----------
     messages : int
-        Number of messages taken, for :func:`bdt_msgs_py.spinning.spin_at_intervals`.
+        Number of messages taken, for :func:`bdt_msgs_py.spinning.spin_at_intervals_until`.
     is_alone : bool
         Whether the process of the page is gone.
     """

@@ -12,12 +12,12 @@ from rclpy.executors import SingleThreadedExecutor
 from bdt_live.channel import Channel
 from bdt_live.live_node import LiveNode
 from bdt_msgs_py.node_main import run_node
-from bdt_msgs_py.spinning import spin_at_intervals
+from bdt_msgs_py.spinning import spin_at_intervals_until
 
 
 def spin_while_watched(executor: SingleThreadedExecutor, node: LiveNode) -> None:
     """Run callbacks until the process of the page is gone, or a signal comes."""
-    spin_at_intervals(executor, node, lambda: node.is_alone)
+    spin_at_intervals_until(executor, node, lambda: node.is_alone)
 
 
 def main(args: list[str] | None = None) -> None:

@@ -31,11 +31,7 @@ class MessageCounter(Protocol):
         """Number of messages taken."""
 
 
-def spin_at_intervals(
-    executor: SingleThreadedExecutor,
-    node: MessageCounter,
-    is_over: Callable[[], bool] = lambda: False,
-) -> None:
+def spin_at_intervals(executor: SingleThreadedExecutor, node: MessageCounter) -> None:
     """Run callbacks until a signal comes, and then those of what was sent before it.
 
     An executor that waits is woken by every message, twice in a control period, and on a small
@@ -47,12 +43,29 @@ def spin_at_intervals(
         Executor that has the node.
     node : MessageCounter
         The node.
-    is_over : callable
-        Tells whether to end without a signal.
     """
     uninstall_signal_handlers()
     with StopSignals() as signals:
-        _spin_until_idle(executor, node, lambda: signals.requested or is_over())
+        _spin_until_idle(executor, node, lambda: signals.requested)
+
+
+def spin_at_intervals_until(
+    executor: SingleThreadedExecutor, node: MessageCounter, is_over: Callable[[], bool]
+) -> None:
+    """Run callbacks as :func:`spin_at_intervals` does, but end at once, whatever still waits.
+
+    Parameters
+    ----------
+    executor : SingleThreadedExecutor
+        Executor that has the node.
+    node : MessageCounter
+        The node.
+    is_over : callable
+        Tells whether to end, as a signal does.
+    """
+    uninstall_signal_handlers()
+    with StopSignals() as signals:
+        _spin_until_idle(executor, node, lambda: signals.requested or is_over(), drains=False)
 
 
 def drain_messages(executor: SingleThreadedExecutor, node: MessageCounter) -> None:
@@ -69,12 +82,18 @@ def drain_messages(executor: SingleThreadedExecutor, node: MessageCounter) -> No
 
 
 def _spin_until_idle(
-    executor: SingleThreadedExecutor, node: MessageCounter, is_over: Callable[[], bool]
+    executor: SingleThreadedExecutor,
+    node: MessageCounter,
+    is_over: Callable[[], bool],
+    *,
+    drains: bool = True,
 ) -> None:
     idle_spins = 0
     quiet_at = latest = math.inf
     while (now := time.monotonic()) < min(quiet_at, latest):
         if latest == math.inf and is_over():
+            if not drains:
+                return
             quiet_at, latest = now + IDLE_TIME, now + DRAIN_TIMEOUT
         taken = node.messages
         executor.spin_once(timeout_sec=0.0)
