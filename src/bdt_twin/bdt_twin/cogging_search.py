@@ -68,7 +68,7 @@ def cogging_evidence(window: WindowModel, fit: Fit) -> CoggingEvidence:
     pending = product(covariance, product(slopes, weights * innovations) - pulled)
     tightness = 1.0 / EFFECT_SPREAD[EFFECTS.index("cogging_sine")] ** 2
     best = CoggingEvidence(0, 0.0)
-    waves = whitening.apply(_wave_slopes(window, fit))
+    waves = np.ascontiguousarray(whitening.apply(_wave_slopes(window, fit)))
     for number, (sine, cosine) in enumerate(waves.reshape(-1, 2, waves.shape[1])):
         weighted = [weights * sine, weights * cosine]
         coupling = [product(slopes, each) for each in weighted]

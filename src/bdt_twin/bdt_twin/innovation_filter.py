@@ -39,8 +39,7 @@ def compiled_innovations() -> Any:
     matrix = "Array(float64, 2, 'C', readonly=True)"
     return compile_loop(
         _innovations,
-        f"void({matrix}, {GIVEN}, {GIVEN}, {matrix}, Array(float64, 2, 'A', readonly=True), "
-        "Array(float64, 2, 'C'))",
+        f"void({matrix}, {GIVEN}, {GIVEN}, {matrix}, {matrix}, Array(float64, 2, 'C'))",
     )
 
 
@@ -59,50 +58,57 @@ def _filter_gains(  # noqa: PLR0912 - a compiled loop calls no function
     innovations: FloatArray,
 ) -> None:
     state, expected = np.zeros(6), np.zeros(6)
-    covariance, moved = np.zeros((6, 6)), np.zeros((6, 6))
-    transition, transposed = np.zeros((6, 6)), np.zeros((6, 6))
-    for i in range(4):
-        for j in range(4):
-            transition[i, j] = step[i, j]
-            transposed[j, i] = step[i, j]
-    transition[5, 5] = 1.0
-    transposed[5, 5] = 1.0
+    covariance, moved = np.zeros((6, 6)), np.zeros((4, 6))
+    # How the structure follows all six; screw and motor follow the motor, or stay.
+    follows = step.copy()
     for k in range(walk.size):
         if begins[k] > 0.0:
             covariance[:] = 0.0
             expected[:] = 0.0
         else:
-            held = 1.0 - contact[k]
+            screw = 5 if contact[k] > 0.0 else 4
             for i in range(4):
-                transition[i, 4] = step[i, 4] + step[i, 5] * held
-                transition[i, 5] = step[i, 5] * contact[k]
-                transposed[4, i], transposed[5, i] = transition[i, 4], transition[i, 5]
-            transition[4, 4], transition[4, 5] = held, contact[k]
-            transposed[4, 4], transposed[5, 4] = held, contact[k]
-            # Sums over whole rows, which the processor works on at once.
-            moved[:] = 0.0
-            for i in range(6):
-                for n in range(6):
-                    factor = transition[i, n]
-                    if factor != 0.0:
-                        for j in range(6):
-                            moved[i, j] += factor * covariance[n, j]
-            covariance[:] = 0.0
-            for i in range(6):
-                for n in range(6):
-                    # The motor's walk acts as the motor's own column does.
-                    factor = moved[i, n]
-                    if n == 5:
-                        factor += transition[i, 5] * walk[k]
-                    for j in range(6):
-                        covariance[i, j] += factor * transposed[n, j]
+                follows[i, 4] = step[i, 4] if screw == 5 else step[i, 4] + step[i, 5]
+                follows[i, 5] = step[i, 5] if screw == 5 else 0.0
+            # The motor walks before it moves the screw.
+            covariance[5, 5] += walk[k]
+            for i in range(4):
+                for j in range(6):
+                    moved[i, j] = (
+                        follows[i, 0] * covariance[0, j]
+                        + follows[i, 1] * covariance[1, j]
+                        + follows[i, 2] * covariance[2, j]
+                        + follows[i, 3] * covariance[3, j]
+                        + follows[i, 4] * covariance[4, j]
+                        + follows[i, 5] * covariance[5, j]
+                    )
+            for i in range(4):
+                for j in range(i + 1):
+                    both = (
+                        moved[i, 0] * follows[j, 0]
+                        + moved[i, 1] * follows[j, 1]
+                        + moved[i, 2] * follows[j, 2]
+                        + moved[i, 3] * follows[j, 3]
+                        + moved[i, 4] * follows[j, 4]
+                        + moved[i, 5] * follows[j, 5]
+                    )
+                    covariance[i, j] = both
+                    covariance[j, i] = both
+                covariance[i, 4] = moved[i, screw]
+                covariance[4, i] = moved[i, screw]
+                covariance[i, 5] = moved[i, 5]
+                covariance[5, i] = moved[i, 5]
+            covariance[4, 4] = covariance[screw, screw]
+            covariance[4, 5] = covariance[screw, 5]
+            covariance[5, 4] = covariance[screw, 5]
             covariance[1, 1] += force
             covariance[3, 3] += force
-            for i in range(6):
+            for i in range(4):
                 total = 0.0
                 for n in range(6):
-                    total += transition[i, n] * state[n]
+                    total += follows[i, n] * state[n]
                 expected[i] = total
+            expected[4], expected[5] = state[screw], state[5]
         innovation = residual[k] - expected[2]
         variance = max(covariance[2, 2], 0.0) + reading
         if innovation * innovation > max(threshold * threshold * variance, SMALLEST_PUSH**2):
@@ -133,30 +139,34 @@ def _innovations(
     begins: FloatArray,
     contact: FloatArray,
     gains: FloatArray,
-    rows: FloatArray,
+    columns: FloatArray,
     found: FloatArray,
 ) -> None:
-    for row in range(len(rows)):
-        x0, x1, x2, x3, b, m = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for k in range(begins.size):
-            if begins[k] > 0.0:
-                x0, x1, x2, x3, b, m = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-            else:
-                after = m if contact[k] > 0.0 else b
-                y0 = step[0, 0] * x0 + step[0, 1] * x1 + step[0, 2] * x2 + step[0, 3] * x3
-                y1 = step[1, 0] * x0 + step[1, 1] * x1 + step[1, 2] * x2 + step[1, 3] * x3
-                y2 = step[2, 0] * x0 + step[2, 1] * x1 + step[2, 2] * x2 + step[2, 3] * x3
-                y3 = step[3, 0] * x0 + step[3, 1] * x1 + step[3, 2] * x2 + step[3, 3] * x3
-                x0 = y0 + step[0, 4] * b + step[0, 5] * after
-                x1 = y1 + step[1, 4] * b + step[1, 5] * after
-                x2 = y2 + step[2, 4] * b + step[2, 5] * after
-                x3 = y3 + step[3, 4] * b + step[3, 5] * after
-                b = after
-            innovation = rows[row, k] - x2
-            found[row, k] = innovation
-            x0 += gains[k, 0] * innovation
-            x1 += gains[k, 1] * innovation
-            x2 += gains[k, 2] * innovation
-            x3 += gains[k, 3] * innovation
-            b += gains[k, 4] * innovation
-            m += gains[k, 5] * innovation
+    count = columns.shape[1]
+    state, follows = np.zeros((6, count)), np.zeros((4, count))
+    # Innermost are sums over whole columns, which the processor works on at once.
+    for k in range(begins.size):
+        if begins[k] > 0.0:
+            state[:] = 0.0
+        else:
+            screw = 5 if contact[k] > 0.0 else 4
+            for i in range(4):
+                for n in range(count):
+                    follows[i, n] = (
+                        step[i, 0] * state[0, n]
+                        + step[i, 1] * state[1, n]
+                        + step[i, 2] * state[2, n]
+                        + step[i, 3] * state[3, n]
+                        + step[i, 4] * state[4, n]
+                        + step[i, 5] * state[screw, n]
+                    )
+            for i in range(4):
+                for n in range(count):
+                    state[i, n] = follows[i, n]
+            for n in range(count):
+                state[4, n] = state[screw, n]
+        for n in range(count):
+            found[k, n] = columns[k, n] - state[2, n]
+        for i in range(6):
+            for n in range(count):
+                state[i, n] += gains[k, i] * found[k, n]

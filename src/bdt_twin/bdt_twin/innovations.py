@@ -171,7 +171,8 @@ class Whitening:
         rows : ndarray, shape (n, blocks)
             Residuals, or slopes of the position, as block means.
         """
-        found, model = np.empty(rows.shape), self._model
-        compiled_innovations()(model.step, model.begins, model.contact, self._gains, rows, found)
-        found /= self.deviations
-        return found
+        columns, model = np.ascontiguousarray(rows.T), self._model
+        found = np.empty(columns.shape)
+        compiled_innovations()(model.step, model.begins, model.contact, self._gains, columns, found)
+        found /= self.deviations[:, None]
+        return found.T

@@ -108,9 +108,17 @@ def fitted_levels(
     return FittedLevels(levels, float(exponential(best)))
 
 
-def is_restless(levels: NoiseLevels) -> bool:
-    """Tell whether the motor walks so much that something may be left to be explained."""
-    return max(levels.fast, levels.slow) > RESTLESS * levels.reading
+def is_restless(levels: NoiseLevels, ratio: float = RESTLESS) -> bool:
+    """Tell whether the motor walks so much that something may be left to be explained.
+
+    Parameters
+    ----------
+    levels : NoiseLevels
+        Levels of noise.
+    ratio : float
+        Walk of the motor in a second, over the noise of a reading, that is not much.
+    """
+    return max(levels.fast, levels.slow) > ratio * levels.reading
 
 
 def quiet(levels: NoiseLevels) -> NoiseLevels:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import exponential
 from bdt_plant.plant import PlantModel
+from bdt_twin.answer_check import AnswerCheck
 from bdt_twin.block_residual import compiled_means
 from bdt_twin.cogging_search import compiled_waves
 from bdt_twin.estimator import Estimate
@@ -43,10 +44,6 @@ LOOPS = (
     compiled_waves,
 )
 """What to call before the first data wait."""
-DOUBTFUL = math.radians(0.2)
-"""Standard uncertainty above which a gap is compared with what was known before [rad]."""
-CONTRADICTION = 2.0
-"""Standard uncertainties between two gaps that contradict each other; windows share their data."""
 MOST_HELD = 5
 """Windows in a row that leave the gap unknown, after which a fit begins anew."""
 UNEXPLAINED = 0.1
@@ -127,7 +124,7 @@ class OutputErrorEstimator:
     def _forget_fits(self) -> None:
         self.last_fit: AcceptedFit | None = None
         self._predecessor: Predecessor | None = None
-        self._contradicted, self._held = False, 0
+        self._check, self._held = AnswerCheck(self._settings.largest_uncertainty), 0
         self._machine = MachineMemory(self._model.motor)
         if self._recalled is not None:
             self._machine.recall(*self._recalled)
@@ -207,14 +204,16 @@ class OutputErrorEstimator:
         """Return what a fit teaches, or the last estimate with the reason why it does not."""
         time, reversals = self._window.time(newest), window.reversals(fit.responses)
         if unexplained := self._unexplained(fit, len(reversals)):
+            self._check.unexplained()
             return self._hold_estimate(time, unexplained)
         # Telemetry may be stamped anywhere between two multiples of the sample time.
         at = reversals[-1] / self._rate
         stamp = time - (newest - reversals[-1]) / self._rate
         gap, uncertainty = gap_at(window, fit, at)
         growth, growth_uncertainty = growth_at(window, fit, at)
-        is_pushed = bool(fit.pushed.any())
-        unsure = self._unsure(stamp, gap, uncertainty, is_pushed)
+        unsure = self._check.doubt(
+            gap, uncertainty, self._expected(stamp), fit.levels, is_pushed=bool(fit.pushed.any())
+        )
         self._held = self._held + 1 if unsure else 0
         # Windows that follow find out more from here, unless it is here that nothing is found.
         follows = self._held < MOST_HELD
@@ -260,25 +259,13 @@ class OutputErrorEstimator:
             return f"only an odd {strange} would explain the data"
         return ""
 
-    def _unsure(self, time: float, gap: float, uncertainty: float, is_pushed: bool) -> str:
-        """Return why a gap is not stated although the data are explained; empty if it is."""
-        if uncertainty > self._settings.largest_uncertainty:
-            return f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
-        # What looks like a push may be a gap that has just jumped.
-        if (uncertainty >= DOUBTFUL or is_pushed) and self._contradicts(time, gap, uncertainty):
-            return "the gap contradicts what was known before"
-        self._contradicted = False
-        return ""
-
-    def _contradicts(self, time: float, gap: float, uncertainty: float) -> bool:
-        """Tell whether a gap is far from the one that was known, and the first to be so."""
+    def _expected(self, time: float) -> tuple[float, float] | None:
+        """Return gap and uncertainty [rad] at a time [s] as the last estimate tells them."""
         if self.last_fit is None:
-            return False
+            return None
         last = self.last_fit.estimate
-        expected = last.gap + last.growth * (time - last.time)
-        spread = math.hypot(uncertainty, self._grown_uncertainty(time - last.time))
-        self._contradicted = not self._contradicted and abs(gap - expected) > CONTRADICTION * spread
-        return self._contradicted
+        age = time - last.time
+        return last.gap + last.growth * age, self._grown_uncertainty(age)
 
     def _grown_uncertainty(self, age: float) -> float:
         """Return how unsure the last estimate is of the gap some time [s] later, if it grows on."""

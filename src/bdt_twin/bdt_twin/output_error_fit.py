@@ -147,11 +147,11 @@ class WindowFit:
                 whitening = point.whitening(levels, PUSHED)
             step = self._step(point, whitening)
             vector = point.unknowns.as_vector()
-            before, after = self._cost(point, whitening), math.inf
+            before, after = self._cost(point, whitening.innovations), math.inf
             for _ in range(min(1 + HALVINGS, simulations - simulated)):
                 trial = self._at(point.unknowns.from_vector(vector + step))
                 simulated += 1
-                after = self._cost(trial, whitening)
+                after = self._cost(trial, whitening.apply(trial.residual[None, :])[0])
                 if after <= before:
                     break
                 step = 0.5 * step
@@ -197,9 +197,9 @@ class WindowFit:
         gradient: FloatArray = product(jacobian, innovations)
         return gradient - product(self._prior_at(point.unknowns), off)
 
-    def _cost(self, point: _Point, whitening: Whitening) -> float:
+    def _cost(self, point: _Point, innovations: FloatArray) -> float:
         """Return the negative log-likelihood of unknowns and data, but for a constant."""
-        size = np.abs(whitening.apply(point.residual[None, :])[0])
+        size = np.abs(innovations)
         loss = np.where(size <= HUBER, 0.5 * np.square(size), HUBER * (size - 0.5 * HUBER))
         vector = point.unknowns.as_vector() - self._expected
         changes = product(self._changes, point.unknowns.gaps)

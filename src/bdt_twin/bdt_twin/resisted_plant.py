@@ -9,13 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bdt_plant.elementary_functions import decaying_exponential, sine_of_turns
+from bdt_plant.elementary_functions import decaying_exponential
 from bdt_plant.lead_screw import contact_side, play
 from bdt_plant.plant import DiscretePlant, PlantState
 from bdt_plant.resisted_motor import ResistedMotor, resisted_motor_step
 from bdt_plant.screw_load import ScrewLoad, backward_load, forward_load
 from bdt_plant.stribeck import FrictionLaw
 from bdt_plant.structure import structure_step
+from bdt_twin.cog_wave import cog_wave
 
 FAST = 4.0
 """Multiples of the Stribeck speed from which on friction is that of a fast motor."""
@@ -109,15 +110,14 @@ def resisted_plant_step(
         backward = backward_load(force, state.contact, gap, step.load)
     load = 0.0
     if step.cogs.periods_per_radian > 0.0 and abs(speed) < COGGED_SPEED:
-        turns = state.motor.angle * step.cogs.periods_per_radian
-        load = step.cogs.sine * sine_of_turns(turns)
-        load += step.cogs.cosine * sine_of_turns(turns + 0.25)
+        sine, cosine = cog_wave(state.motor.angle * step.cogs.periods_per_radian)
+        load = step.cogs.sine * sine + step.cogs.cosine * cosine
     middle, motor = speed, state.motor
     # A second time with the friction of the speed in the middle of the sample.
     for _ in range(2 if is_slow else 1):
         size = law.coulomb
         if is_slow:
-            size += law.excess * slow_share(middle, law.stribeck_speed)
+            size += law.excess * slow_share(abs(middle) / law.stribeck_speed)
         motor = resisted_motor_step(
             state.motor, voltage, load, backward + size, forward + size, step.motor
         )
@@ -142,13 +142,18 @@ def screw_force(state: PlantState, step: ResistedPlant) -> float:
     )
 
 
-def slow_share(speed: float, stribeck_speed: float) -> float:
-    """Return which share of the excess of friction at rest is there at a speed [rad/s].
+def slow_share(ratio: float) -> float:
+    """Return which share of the excess of friction at rest is there at a speed.
 
     This is the curve of :func:`bdt_plant.stribeck.friction_size`, from a table: it is asked for
     several times in each sample.
+
+    Parameters
+    ----------
+    ratio : float
+        The speed over the Stribeck speed, not negative.
     """
-    place = abs(speed) / stribeck_speed * SHARES_PER_SPEED
+    place = ratio * SHARES_PER_SPEED
     number = int(place)
     if number >= SHARES.size - 1:
         return 0.0

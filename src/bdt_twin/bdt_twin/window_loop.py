@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.compilation import compile_with_steps
-from bdt_plant.elementary_functions import sine_of_turns
 from bdt_plant.plant import AT_REST, PlantModel, PlantState, discretize_plant, plant_step
 from bdt_plant.resisted_motor import discretize_resisted_motor
 from bdt_plant.screw_load import ScrewLoad
 from bdt_plant.stribeck import friction_law
 from bdt_plant.structure import DiscreteStructure, StructureState, structure_step
+from bdt_twin.cog_wave import cog_wave
 from bdt_twin.resisted_plant import (
     COGGED_SPEED,
     FAST,
@@ -77,7 +77,7 @@ def compiled_structure() -> Any:
     return compile_with_steps(_structure_loop, [structure_step], signature)
 
 
-STEPS = (plant_step, resisted_plant_step, screw_force, slow_share, sine_of_turns)
+STEPS = (plant_step, resisted_plant_step, screw_force, slow_share, cog_wave)
 """Step functions that the loop over a window calls."""
 
 
@@ -117,7 +117,8 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         drives, last_drives, begun = np.zeros(8), np.zeros(8), np.zeros(8)
         law, cogs = step.friction, step.cogs.periods_per_radian
         is_resisted = law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
-        steepness = 2.0 * law.excess * step.motor.resistance / (law.stribeck_speed * back_emf)
+        per_speed = 1.0 / law.stribeck_speed
+        steepness = 2.0 * law.excess * step.motor.resistance * per_speed * per_speed / back_emf
         before = state.theta_d
         direction, extreme, turned_at, found, travel = 0.0, before, 0, 0, 0.0
         part, k = 1.0 / block, -1
@@ -140,10 +141,10 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                 if abs(speed) > SMALLEST_SPEED:
                     # A voltage is felt more where friction falls with speed.
                     sign, felt, amplified = 1.0 if speed > 0.0 else -1.0, sample_time, 0.0
-                    ratio = abs(speed) / law.stribeck_speed
+                    ratio = abs(speed) * per_speed
                     if ratio < FAST:
-                        share = slow_share(speed, law.stribeck_speed)
-                        steep = min(steepness / law.stribeck_speed * ratio * share, STEEPEST)
+                        share = slow_share(ratio)
+                        steep = min(steepness * ratio * share, STEEPEST)
                         felt = sample_time / (1.0 - steep)
                         amplified = felt - sample_time
                         drives[3] += sign * felt * share
@@ -156,9 +157,9 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         if force * state.contact > 0.0 and speed * state.contact > 0.0:
                             drives[5] += felt * force
                     if cogs > 0.0 and abs(speed) < COGGED_SPEED:
-                        turns = state.motor.angle * cogs
-                        drives[6] += felt * sine_of_turns(turns)
-                        drives[7] += felt * sine_of_turns(turns + 0.25)
+                        sine, cosine = cog_wave(state.motor.angle * cogs)
+                        drives[6] += felt * sine
+                        drives[7] += felt * cosine
                 angle = state.theta_d
                 if angle != before:
                     last_side = 1.0 if angle > before else -1.0

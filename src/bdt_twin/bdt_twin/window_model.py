@@ -15,6 +15,7 @@ from bdt_twin.forward_model import (
     simulate_stretch,
     simulate_structure,
 )
+from bdt_twin.gap_samples import GapSamples
 from bdt_twin.innovations import DeviationModel, Motion
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS, block_model_with, plant_step_with
@@ -68,7 +69,8 @@ class WindowModel:
         self.sampling_rate, self.pitch = sampling_rate, model.lead_screw.pitch
         self._model = model
         self._blocks = [stretch.voltage.size // block for stretch in stretches]
-        self._places = [self._places_of(stretch) for stretch in stretches]
+        self._times = [np.arange(stretch.voltage.size) / sampling_rate for stretch in stretches]
+        self._gaps = [GapSamples(knots, stretch, sampling_rate) for stretch in stretches]
 
     def coarse(self, lowest_rate: float, lowest_block_rate: float) -> "WindowModel":
         """Return the window with fewer samples and blocks, for a rough fit in little time.
@@ -95,12 +97,12 @@ class WindowModel:
         )
         gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
-        changes, responses = np.diff(unknowns.gaps), []
+        responses = []
         slow = SlowMotion(SLOW_VOLTAGE / back_emf, STANDING_SHARE * friction, back_emf)
-        for number, (stretch, (knots, shares), beginning) in enumerate(
-            zip(self.stretches, self._places, unknowns.initial_conditions, strict=True)
+        for number, (stretch, beginning) in enumerate(
+            zip(self.stretches, unknowns.initial_conditions, strict=True)
         ):
-            gaps = unknowns.gaps[knots] + changes[knots] * shares
+            gaps = self._gaps[number].at(unknowns.gaps)
             state = initial_state(
                 StructureState(*beginning[2:].tolist()),
                 0.5 * float(beginning[0]) * float(gaps[0]),
@@ -120,20 +122,20 @@ class WindowModel:
             )
             reading = run.position + beginning[1]
             if effect["drift"]:
-                reading += effect["drift"] * (np.arange(reading.size) / self.sampling_rate)
+                reading += effect["drift"] * self._times[number]
             if effect["delay"]:
-                reading -= effect["delay"] * self._slope(run.position)
+                reading -= self._slope(run.position, effect["delay"])
             responses.append(run._replace(position=reading))
         return responses
 
-    def _slope(self, position: FloatArray) -> FloatArray:
-        """Return the velocity [m/s] of a position at its samples."""
-        # To the bit what numpy.gradient gives, which takes more than twice as long.
-        slope = np.empty(position.size)
+    def _slope(self, position: FloatArray, duration: float = 1.0) -> FloatArray:
+        """Return how far a position moves at its samples' velocities in some time [s]."""
+        # What numpy.gradient gives, which takes more than twice as long.
+        slope, samples = np.empty(position.size), duration * self.sampling_rate
         np.subtract(position[2:], position[:-2], out=slope[1:-1])
-        slope[1:-1] *= 0.5
-        slope[0], slope[-1] = position[1] - position[0], position[-1] - position[-2]
-        slope *= self.sampling_rate
+        slope[1:-1] *= 0.5 * samples
+        slope[0] = samples * (position[1] - position[0])
+        slope[-1] = samples * (position[-1] - position[-2])
         return slope
 
     def jacobian(self, unknowns: Unknowns, responses: list[StretchResponse]) -> FloatArray:
@@ -272,13 +274,6 @@ class WindowModel:
     def gap_at(self, gaps: FloatArray, time: float) -> float:
         """Return the gap [rad] at a time [s] for gaps at the knots, shape (knots,)."""
         return dot(self.weights(np.array([time]))[:, 0], gaps)
-
-    def _places_of(self, stretch: Stretch) -> tuple[NDArray[np.int64], FloatArray]:
-        """Return the knot before each sample and how far it is to the next one, from 0 to 1."""
-        times = (stretch.first + np.arange(stretch.voltage.size)) / self.sampling_rate
-        places = (times - self.knots[0]) / (self.knots[1] - self.knots[0])
-        before = np.clip(places.astype(np.int64), 0, self.knots.size - 2)
-        return before, np.clip(places - before, 0.0, 1.0)
 
     def weights(self, times: FloatArray) -> FloatArray:
         """Return by how much the gap at each time depends on each knot, shape (knots, n)."""

@@ -1,0 +1,69 @@
+"""Whether a gap that a fit has found is stated: a wrong answer that is sure is worse than none."""
+
+import math
+
+from bdt_twin.innovations import NoiseLevels
+from bdt_twin.noise_levels import is_restless
+
+DOUBTFUL = math.radians(0.2)
+"""Standard uncertainty above which a gap is compared with what was known before [rad]."""
+CONTRADICTION = 2.0
+"""Standard uncertainties between two gaps that contradict each other; windows share their data."""
+HARDLY_EXPLAINED = 8.0
+"""Walk of the motor in a second, over the noise of a reading, from which on a first answer may be
+that of a fit which has not yet found the best one."""
+
+
+class AnswerCheck:
+    """Looks at one answer after the other.
+
+    Parameters
+    ----------
+    largest_uncertainty : float
+        Standard uncertainty of the gap above which a window has taught nothing [rad].
+    """
+
+    def __init__(self, largest_uncertainty: float) -> None:
+        self._largest = largest_uncertainty
+        self._contradicted, self._sure_before = False, False
+
+    def unexplained(self) -> None:
+        """Take note of a window that no fit explains."""
+        self._sure_before = False
+
+    def doubt(
+        self,
+        gap: float,
+        uncertainty: float,
+        expected: tuple[float, float] | None,
+        levels: NoiseLevels,
+        *,
+        is_pushed: bool,
+    ) -> str:
+        """Return why a gap is not stated; empty if it is.
+
+        Parameters
+        ----------
+        gap, uncertainty : float
+            The gap and its standard uncertainty [rad].
+        expected : tuple of float, or None
+            The same, as known before; None if nothing was.
+        levels : NoiseLevels
+            Noise of the machine.
+        is_pushed : bool
+            Whether something pushed a platform, which a gap that has just jumped looks like.
+        """
+        sure_before, self._sure_before = self._sure_before, uncertainty <= self._largest
+        if not self._sure_before:
+            return f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
+        if not sure_before and is_restless(levels, HARDLY_EXPLAINED):
+            return "the next window has to confirm the gap of a machine that is hardly explained"
+        if (uncertainty >= DOUBTFUL or is_pushed) and expected is not None:
+            before, its_uncertainty = expected
+            spread = CONTRADICTION * math.hypot(uncertainty, its_uncertainty)
+            # Said twice, it is what was known before that was wrong.
+            self._contradicted = not self._contradicted and abs(gap - before) > spread
+            if self._contradicted:
+                return "the gap contradicts what was known before"
+        self._contradicted = False
+        return ""

@@ -1,0 +1,69 @@
+"""Which gaps are stated: those that are sure, agree with what was known, and are confirmed."""
+
+import math
+
+import pytest
+
+from bdt_twin.answer_check import CONTRADICTION, DOUBTFUL, HARDLY_EXPLAINED, AnswerCheck
+from bdt_twin.innovations import NoiseLevels
+
+LARGEST = math.radians(1.0)
+SURE, UNSURE = 0.5 * LARGEST, 1.1 * LARGEST
+KNOWN = math.radians(5.0), math.radians(0.1)
+EXPLAINED = NoiseLevels(1e-6, 0.9 * HARDLY_EXPLAINED * 1e-6, 1e-6, 0.0)
+HARDLY = NoiseLevels(1e-6, 1e-6, 1.1 * HARDLY_EXPLAINED * 1e-6, 0.0)
+
+
+def doubt(check, gap=KNOWN[0], uncertainty=SURE, expected=KNOWN, levels=EXPLAINED, pushed=False):
+    return check.doubt(gap, uncertainty, expected, levels, is_pushed=pushed)
+
+
+@pytest.fixture
+def check():
+    return AnswerCheck(LARGEST)
+
+
+def test_an_answer_that_is_sure_is_stated(check):
+    assert doubt(check) == ""
+    assert doubt(check, expected=None) == ""
+
+
+def test_an_answer_that_is_not_sure_is_not_and_says_by_how_much(check):
+    assert doubt(check, uncertainty=UNSURE) == "the gap remains unknown by 1.1 deg"
+
+
+def test_the_first_answer_of_a_machine_that_is_hardly_explained_waits_for_the_second(check):
+    assert "confirm" in doubt(check, levels=HARDLY, expected=None)
+    assert doubt(check, levels=HARDLY, expected=None) == ""
+    assert doubt(check, levels=HARDLY) == ""
+
+
+@pytest.mark.parametrize("interruption", ["unsure", "unexplained"])
+def test_each_answer_after_silence_is_a_first_one(check, interruption):
+    for _ in range(2):
+        doubt(check, levels=HARDLY)
+    if interruption == "unsure":
+        assert doubt(check, uncertainty=UNSURE, levels=HARDLY)
+    else:
+        check.unexplained()
+    assert "confirm" in doubt(check, levels=HARDLY)
+    assert doubt(check, levels=HARDLY) == ""
+
+
+def test_where_the_model_explains_the_machine_silence_costs_no_answer(check):
+    check.unexplained()
+    assert doubt(check, levels=EXPLAINED) == ""
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_an_answer_far_from_what_was_known_is_stated_when_it_is_repeated(check, side):
+    allowed = CONTRADICTION * math.hypot(SURE, KNOWN[1])
+    assert doubt(check, KNOWN[0] + side * 0.99 * allowed) == ""
+    assert "contradicts" in doubt(check, KNOWN[0] + side * 1.01 * allowed)
+    assert doubt(check, KNOWN[0] + side * 1.01 * allowed) == ""
+
+
+def test_an_answer_that_is_very_sure_contradicts_only_where_something_was_pushed(check):
+    very_sure = 0.99 * DOUBTFUL
+    assert doubt(check, 2.0 * KNOWN[0], very_sure) == ""
+    assert "contradicts" in doubt(check, 2.0 * KNOWN[0], very_sure, pushed=True)
