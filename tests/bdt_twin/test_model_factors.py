@@ -41,7 +41,7 @@ def test_between_the_points_of_the_grid_the_model_is_nearly_exact(factors):
         for axis in np.eye(3)
     )
     assert slopes.max() > 1.0
-    assert (np.abs(numbers_of(found) - exact(logarithms)) < 2e-5 * slopes + 1e-9).all()
+    assert (np.abs(numbers_of(found) - exact(logarithms)) < 5e-5 * slopes + 1e-9).all()
 
 
 @pytest.mark.parametrize("factors", POINTS)
