@@ -14,8 +14,9 @@ EXPLAINED = NoiseLevels(1e-6, 0.9 * HARDLY_EXPLAINED * 1e-6, 1e-6, 0.0)
 HARDLY = NoiseLevels(1e-6, 1e-6, 1.1 * HARDLY_EXPLAINED * 1e-6, 0.0)
 
 
-def doubt(check, gap=KNOWN[0], uncertainty=SURE, expected=KNOWN, levels=EXPLAINED, pushed=False):
-    return check.doubt(gap, uncertainty, expected, levels, is_pushed=pushed)
+def doubt(check, gap=KNOWN[0], uncertainty=SURE, expected=KNOWN, levels=EXPLAINED, **happened):
+    happened = {"is_pushed": False, "is_surprised": False} | happened
+    return check.doubt(gap, uncertainty, expected, levels, **happened)
 
 
 @pytest.fixture
@@ -66,4 +67,16 @@ def test_an_answer_far_from_what_was_known_is_stated_when_it_is_repeated(check, 
 def test_an_answer_that_is_very_sure_contradicts_only_where_something_was_pushed(check):
     very_sure = 0.99 * DOUBTFUL
     assert doubt(check, 2.0 * KNOWN[0], very_sure) == ""
-    assert "contradicts" in doubt(check, 2.0 * KNOWN[0], very_sure, pushed=True)
+    assert "contradicts" in doubt(check, 2.0 * KNOWN[0], very_sure, is_pushed=True)
+
+
+def test_an_answer_that_leaves_the_newest_data_unexplained_is_not_stated(check):
+    assert "newest" in doubt(check, is_surprised=True)
+    assert "newest" in doubt(check, is_surprised=True, expected=None)
+    assert doubt(check) == ""
+
+
+def test_the_next_answer_after_it_is_stated_whatever_was_known_before(check):
+    assert doubt(check, 2.0 * KNOWN[0], is_surprised=True)
+    assert doubt(check, 2.0 * KNOWN[0]) == ""
+    assert "contradicts" in doubt(check, 4.0 * KNOWN[0])

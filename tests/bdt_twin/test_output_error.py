@@ -147,15 +147,33 @@ def test_growth_and_gain_come_with_the_gap(closed_loop):
 def test_estimates_do_not_depend_on_the_batches(cuts):
     rows = steps_by_hand()
     newest = estimates_of(rows, cuts=cuts)
-    each = {estimate.time: estimate for estimate in estimates_of(rows, cuts=range(500, 6000, 250))}
-    assert newest[-1] in each.values()
-    assert all(estimate in each.values() for estimate in newest)
+    each = estimates_of(rows, cuts=range(500, 6000, 250))
+    assert newest[-1] in each
+    assert all(estimate in each for estimate in newest)
 
 
 def steps_by_hand():
     """Return 6 s of telemetry without a loop: a voltage that goes back and forth."""
     plant = PlantSimulator(PlantModel(), PROFILES[0], Sampling(RATE, RATE / 500))
     return np.concatenate([plant.advance(voltage) for voltage in np.resize([1.0, 0.0, -1.5], 12)])
+
+
+@pytest.mark.parametrize("step_time", [5.6, 6.6])
+def test_growth_that_ends_while_the_loop_rests_does_not_go_on(closed_loop, step_time):
+    """What the gap would be if it had grown on explains the newest data nearly as well."""
+    ends = GapProfile(
+        kind="table",
+        table_times=(0.0, 2.76, 60.0),
+        table_gaps=tuple(np.deg2rad([9.0, 25.6, 26.1]).tolist()),
+    )
+    rows = closed_loop(ends, 12.0, 5000.0, dead_zone=26.0, step_time=step_time).rows
+    rows = measured(rows, 1e-6, 1e-7, seed=1)
+    errors, uncertainties = errors_of(
+        estimates_of(rows, cuts=seconds(rows, 5000.0), rate=5000.0), ends
+    )
+    assert errors.size >= 9
+    assert np.abs(errors).max() < 0.5
+    assert np.abs(errors / uncertainties).max() < 3.5
 
 
 def test_newest_only_lets_stale_windows_go(closed_loop):

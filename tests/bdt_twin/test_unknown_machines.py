@@ -90,13 +90,15 @@ LIMITS = {
     "everyday": (0.6, 2.5),
 }
 """Largest error of the gap, rms and worst [deg]."""
+PUSHES = {"pushes": 4}
+"""Pushes in these 30 s: the next window has to confirm what comes right after each."""
 
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_the_gap_is_found_in_nearly_every_window(name):
     found = result(name)
     rms, worst = LIMITS[name]
-    assert found.errors.size >= len(found.estimates) - 5
+    assert found.errors.size >= len(found.estimates) - 5 - PUSHES.get(name, 0)
     assert math.sqrt(np.mean(found.errors**2)) < rms
     assert np.abs(found.errors).max() < worst
 

@@ -1,6 +1,8 @@
 """The fit of a window that has no predecessor, or one that is of no use, and the work it takes."""
 
 import math
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -84,6 +86,30 @@ def test_a_prediction_that_describes_the_data_is_followed(closed_loop, simulated
     assert list(simulated) == [RATE]
     assert len(simulated[RATE]) < 12
     assert fit.prediction_error <= 1.05 * first.prediction_error
+
+
+def test_another_prediction_is_tried_where_the_first_leaves_the_newest_data_unexplained(
+    closed_loop, monkeypatch
+):
+    """A gap of the last second that is far off is enough for a fit that is easily content."""
+    window = window_of(closed_loop(12.0))
+    found = fit_window(window, GROWTH_CHANGE, KNOWN)
+    gaps = found.unknowns.gaps.copy()
+    gaps[-2:] = math.radians(60.0)
+    wrong = replace(found.unknowns, gaps=gaps)
+    begun = []
+    solve = WindowFit.solve
+    monkeypatch.setattr(
+        WindowFit, "solve", lambda fit, first, *most, **how: begun.append(first) or stay(first)
+    )
+    stay = partial(solve, WindowFit(window, GROWTH_CHANGE, KNOWN), steps=0, simulations=1)
+    content = 1.0, NoiseLevels(1e-7)
+    fit = fit_window(window, GROWTH_CHANGE, KNOWN, wrong, *content, found.unknowns)
+    assert begun == [wrong, found.unknowns]
+    assert fit.unknowns is found.unknowns
+    begun.clear()
+    fit_window(window, GROWTH_CHANGE, KNOWN, found.unknowns, *content, wrong)
+    assert begun == [found.unknowns]
 
 
 @pytest.mark.parametrize(("wrong", "fits"), [(None, 1), (60.0, 2)])

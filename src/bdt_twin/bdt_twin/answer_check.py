@@ -39,6 +39,7 @@ class AnswerCheck:
         levels: NoiseLevels,
         *,
         is_pushed: bool,
+        is_surprised: bool,
     ) -> str:
         """Return why a gap is not stated; empty if it is.
 
@@ -52,12 +53,18 @@ class AnswerCheck:
             Noise of the machine.
         is_pushed : bool
             Whether something pushed a platform, which a gap that has just jumped looks like.
+        is_surprised : bool
+            Whether the newest data are explained worse than the others.
         """
         sure_before, self._sure_before = self._sure_before, uncertainty <= self._largest
         if not self._sure_before:
             return f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
         if not sure_before and is_restless(levels, HARDLY_EXPLAINED):
             return "the next window has to confirm the gap of a machine that is hardly explained"
+        if is_surprised:
+            # It may contradict what was known before, and the next window be the second to do so.
+            self._contradicted = True
+            return "the newest data are not explained yet"
         if (uncertainty >= DOUBTFUL or is_pushed) and expected is not None:
             before, its_uncertainty = expected
             spread = CONTRADICTION * math.hypot(uncertainty, its_uncertainty)

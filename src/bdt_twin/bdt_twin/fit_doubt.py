@@ -4,6 +4,8 @@ What is left in the innovations that is not white says less than they are many, 
 has noise its levels are found from the same data.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +25,37 @@ RESTLESS_DOUBT = 1.3
 SHORT, SHORT_AND_RESTLESS = 3.0, 8.0
 """Time [s] in which a window has seen too little to know what it cannot explain, and the same where
 the motor walks a lot."""
+
+NEWEST = 1.0
+"""Time before the end of a window [s] in which a fit of the data before meets something new."""
+SURPRISE = 3.0
+"""Standard deviations of the mean square of white noise by which that of the newest innovations
+exceeds its mean, if they are no noise."""
+
+
+def is_surprised(
+    innovations: FloatArray, levels: NoiseLevels, rate: float, negligible: float = 0.0
+) -> bool:
+    """Return whether the newest data are explained worse than noise would have it.
+
+    A motor that walks a lot surprises now and then.
+
+    Parameters
+    ----------
+    innovations : ndarray, shape (blocks,)
+        Innovations over their standard deviations.
+    levels : NoiseLevels
+        Levels of noise.
+    rate : float
+        Blocks in a second [Hz].
+    negligible : float
+        Root mean square that is as good as none, however small the noise is.
+    """
+    newest = innovations[-max(round(NEWEST * rate), 1) :]
+    if is_restless(levels) or mean(np.square(newest)) < negligible * negligible:
+        return False
+    bounded = np.clip(newest, -HUBER, HUBER)
+    return mean(np.square(bounded)) > 1.0 + SURPRISE * math.sqrt(2.0 / newest.size)
 
 
 def huber_weights(innovations: FloatArray) -> FloatArray:

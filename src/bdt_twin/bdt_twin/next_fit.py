@@ -9,7 +9,7 @@ from bdt_twin.fit_result import Fit
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.noise_levels import quiet
 from bdt_twin.window_model import WindowModel
-from bdt_twin.window_prediction import Predecessor, predicted_unknowns
+from bdt_twin.window_prediction import Predecessor, predicted_unknowns, without_growth
 from bdt_twin.window_search import fit_window
 
 MOST_NEWCOMERS = 2
@@ -72,12 +72,13 @@ def next_fit(
         Its fit.
     """
     begins = window.stretches[0].first / (window.block_rate * window.block)
-    predicted, error, levels = None, math.inf, None
+    predicted, otherwise, error, levels = None, None, math.inf, None
     if last is not None:
         predicted = predicted_unknowns(window, last)
+        otherwise = without_growth(window, last, predicted)
         error, levels = last.fit.prediction_error, last.fit.levels
     known = machine.before(begins)
-    fit = fit_window(window, growth_change, known, predicted, error, levels)
+    fit = fit_window(window, growth_change, known, predicted, error, levels, otherwise)
     for _ in range(MOST_NEWCOMERS):
         levels = fit.levels
         if machine.has_evidence(fit.evidence, fit.machine):

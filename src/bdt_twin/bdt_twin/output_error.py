@@ -30,6 +30,7 @@ from bdt_twin.telemetry_window import TelemetryWindow
 from bdt_twin.window_loop import compiled_structure, compiled_window
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor
+from bdt_twin.window_search import leaves_newest_unexplained
 
 FloatArray = NDArray[np.float64]
 
@@ -212,7 +213,12 @@ class OutputErrorEstimator:
         gap, uncertainty = gap_at(window, fit, at)
         growth, growth_uncertainty = growth_at(window, fit, at)
         unsure = self._check.doubt(
-            gap, uncertainty, self._expected(stamp), fit.levels, is_pushed=bool(fit.pushed.any())
+            gap,
+            uncertainty,
+            self._expected(stamp),
+            fit.levels,
+            is_pushed=bool(fit.pushed.any()),
+            is_surprised=leaves_newest_unexplained(window, fit),
         )
         self._held = self._held + 1 if unsure else 0
         # Windows that follow find out more from here, unless it is here that nothing is found.

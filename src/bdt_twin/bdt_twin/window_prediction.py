@@ -1,5 +1,6 @@
 """What a window is expected to be like after the fit of the one before."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -95,3 +96,22 @@ def _state_at(
             state.q3_velocity,
         ]
     )
+
+
+def without_growth(window: WindowModel, last: Predecessor, predicted: Unknowns) -> Unknowns:
+    """Return a prediction for a gap that no longer grows since the last window could tell it.
+
+    Parameters
+    ----------
+    window : WindowModel
+        Model and data.
+    last : Predecessor
+        The window before, and its fit.
+    predicted : Unknowns
+        What :func:`predicted_unknowns` returns.
+    """
+    reversals = last.window.reversals(last.fit.responses)
+    if not reversals:
+        return predicted
+    known = np.minimum(window.knots, reversals[-1] / window.sampling_rate)
+    return replace(predicted, gaps=np.interp(known, window.knots, predicted.gaps))

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_twin.fit_doubt import is_surprised
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import standard_deviation
 from bdt_twin.innovations import NoiseLevels
@@ -57,6 +58,7 @@ def fit_window(
     predicted: Unknowns | None = None,
     error: float = math.inf,
     levels: NoiseLevels | None = None,
+    otherwise: Unknowns | None = None,
 ) -> Fit:
     """Fit a window, beginning with a prediction if that describes the data.
 
@@ -78,14 +80,16 @@ def fit_window(
         Prediction error of that fit [m].
     levels : NoiseLevels or None
         Levels of noise of that fit.
+    otherwise : Unknowns or None
+        Another prediction, tried where the fit that begins with the first one leaves something of
+        the newest data unexplained.
     """
     problem = WindowFit(window, growth_change, machine)
     samples = sum(stretch.voltage.size for stretch in window.stretches)
     simulations = max(MOST_SAMPLES // samples, FEWEST_SIMULATIONS)
     if predicted is None:
         return _from_many(problem, window, growth_change, machine, simulations)
-    motion = max(standard_deviation(stretch.position) for stretch in window.stretches)
-    enough = max(WORSE * error, EXPLAINED * motion)
+    enough = max(WORSE * error, _negligible(window))
     # What a model explains is not taken for a walk of the motor only because it was before.
     may_rest = levels is not None and is_restless(levels)
     first = quiet(levels) if levels is not None and may_rest else levels
@@ -100,10 +104,24 @@ def fit_window(
     if may_rest and followed.prediction_error > QUIETER_ERROR * error:
         walking = problem.solve(predicted, FINE, ROUGH_SIMULATIONS, levels=levels)
         followed = min(followed, walking, key=lambda each: each.prediction_error)
+    if otherwise is not None and leaves_newest_unexplained(window, followed):
+        other = problem.solve(otherwise, FINE, FEWEST_SIMULATIONS, levels=first)
+        followed = min(followed, other, key=lambda each: each.prediction_error)
     if followed.prediction_error <= enough:
         return followed
     fit = _from_many(problem, window, growth_change, machine, FEWEST_SIMULATIONS)
     return min(followed, fit, key=lambda each: each.prediction_error)
+
+
+def leaves_newest_unexplained(window: WindowModel, fit: Fit) -> bool:
+    """Return whether a fit explains the newest data of its window worse than the others."""
+    negligible = _negligible(window) / fit.prediction_error
+    return is_surprised(fit.innovations, fit.levels, window.block_rate, negligible)
+
+
+def _negligible(window: WindowModel) -> float:
+    """Return the prediction error that is as good as none [m]."""
+    return EXPLAINED * max(standard_deviation(stretch.position) for stretch in window.stretches)
 
 
 def _from_many(
