@@ -29,6 +29,7 @@ FIELDS = [
     "limit_cycle_free_percent",
     "avoidable_limit_cycle_percent",
     "avoidable_steps_percent",
+    "spared_steps_percent",
     "bias_under_2_percent",
     "worst_bias_percent",
     "settling_s",
@@ -139,9 +140,10 @@ def test_bad_input_is_one_line_and_exit_code_two(arguments, says, capsys):
 
 def test_what_is_unknown_is_a_dash_in_the_table():
     told = ("clean", "x:Y", "equation_9")
-    row = CaseOutcome(*told, None, None, None, None, 100.0, 0.0, None, 50.0, 0.5, None, 0, None, 3)
+    known = (100.0, 0.0, None, None, 50.0, 0.5, None, 0, None, 3)
+    row = CaseOutcome(*told, None, None, None, None, *known)
     cells = [list(column.cells) for column in outcome_table([row]).columns]
-    numbers = [["-"]] * 4 + [["100"], ["0"], ["50"], ["0.50"], ["-"], ["-"]]
+    numbers = [["-"]] * 4 + [["100"], ["-"], ["-"], ["50"], ["0.50"], ["-"], ["-"]]
     assert cells == [[each] for each in told] + numbers
 
 

@@ -80,6 +80,15 @@ def test_limit_cycles_count_as_avoidable_where_the_true_gap_has_none():
     assert row.avoidable_steps_percent == 10.0
 
 
+def test_steps_are_spared_a_limit_cycle_that_the_true_gap_does_not_prevent():
+    """Of ten steps, four have a limit cycle with the true gap; here one of these, and another."""
+    run = trial([0.1], [1.0], limit_cycles=2, avoidable=(1, 6))
+    run = replace(run, settling_times=np.full(10, 2.0))
+    assert summarize_trials("c", "e", [run, run]).spared_steps_percent == 75.0
+    without = replace(run, limit_cycles=0, avoidable_limit_cycles=0, avoidable_steps=10)
+    assert summarize_trials("c", "e", [without]).spared_steps_percent is None
+
+
 def test_without_a_step_that_could_be_spared_there_is_no_share():
     row = summarize_trials("c", "e", [trial([0.1], [1.0], limit_cycles=8)])
     assert row.avoidable_limit_cycle_percent == 0.0

@@ -35,6 +35,9 @@ class CaseOutcome:
     avoidable_steps_percent : float or None
         Share of the steps with a limit cycle among those that have none with the true gap [%];
         None when there are no such steps.
+    spared_steps_percent : float or None
+        Share of the steps without a limit cycle among those that have one with the true gap [%];
+        None when there are no such steps.
     bias_under_2_percent : float
         Share of the runs whose worst bias is below 2 % of the amplitude [%].
     worst_bias_percent : float
@@ -59,6 +62,7 @@ class CaseOutcome:
     limit_cycle_free_percent: float
     avoidable_limit_cycle_percent: float
     avoidable_steps_percent: float | None
+    spared_steps_percent: float | None
     bias_under_2_percent: float
     worst_bias_percent: float
     settling_s: float | None
@@ -90,6 +94,9 @@ def summarize_trials(
     times = np.concatenate([trial.window_times for trial in trials])
     avoidable = sum(trial.avoidable_limit_cycles for trial in trials)
     steps = sum(trial.avoidable_steps for trial in trials)
+    # What has a limit cycle with the true gap, and what of it has one here, too.
+    unavoidable = settling.size - steps
+    shared = sum(trial.limit_cycles for trial in trials) - avoidable
     return CaseOutcome(
         case,
         estimator,
@@ -101,6 +108,7 @@ def summarize_trials(
         100.0 * float(np.mean([trial.limit_cycles == 0 for trial in trials])),
         100.0 * float(np.mean([trial.avoidable_limit_cycles > 0 for trial in trials])),
         100.0 * avoidable / steps if steps else None,
+        100.0 * (unavoidable - shared) / unavoidable if unavoidable > 0 else None,
         100.0 * float(np.mean([trial.worst_bias < LARGEST_BIAS for trial in trials])),
         float(np.median([trial.worst_bias for trial in trials])),
         middle if math.isfinite(middle) else None,
