@@ -56,6 +56,21 @@ def test_columns_are_those_of_the_rows():
     assert tuple(re.findall(r'"(\w+)"', listed)) == COLUMNS
 
 
+def test_what_somebody_sets_is_shown_at_its_newest_and_the_rest_evenly(page):
+    """Rows come in batches: what moves is shown a little late, so that it does not jump."""
+    shown = page.evaluate(
+        "import('./page/signals.js').then(({Signals, COLUMNS}) => {"
+        "const signals = new Signals();"
+        "const row = (time, value) => COLUMNS.map((name) => name === 'time' ? time : value);"
+        "signals.add([row(1.0, 1), row(1.01, 2), row(1.02, 3)]);"
+        "signals.shown = 1.005;"
+        "return signals.now(); })"
+    )
+    assert shown["gap"] == shown["dead_zone"] == 3
+    assert shown["q1"] == pytest.approx(1.5)
+    assert shown["estimate"] == 1
+
+
 def test_the_page_loads_from_this_server_alone_and_complains_of_nothing(page, live_loop):
     origin = live_loop.address.split("?")[0]
     begin = seconds(page)
@@ -148,15 +163,27 @@ def test_the_loop_waits_makes_a_step_and_goes_on(page):
     page.wait_for(f"parseFloat(document.getElementById('time').textContent) > {before + 0.5}")
 
 
-def test_the_loop_goes_at_the_pace_that_is_chosen(page):
-    choose = (
-        "(() => {{ const pace = document.getElementById('pace'); pace.value = '{}';"
-        "pace.dispatchEvent(new Event('change')); }})()"
+def choose_pace(page, value):
+    page.evaluate(
+        f"(() => {{ const pace = document.getElementById('pace'); pace.value = '{value}';"
+        "pace.dispatchEvent(new Event('change')); })()"
     )
-    page.evaluate(choose.format("0.1"))
+
+
+def test_the_loop_goes_at_the_pace_that_is_chosen(page):
+    choose_pace(page, "0.1")
     page.wait_for("parseFloat(document.getElementById('rate').textContent) < 100")
-    page.evaluate(choose.format("1"))
+    choose_pace(page, "1")
     page.wait_for("parseFloat(document.getElementById('rate').textContent) > 300")
+
+
+def test_a_pace_that_somebody_else_has_set_is_shown(page, live_loop):
+    shown = "parseFloat(document.getElementById('pace').selectedOptions[0]?.textContent)"
+    live_loop.ros2("param", "set", "/plant", "pace", "0.3")
+    page.wait_for(f"{shown} === 0.3")
+    choose_pace(page, "1")
+    page.wait_for("document.getElementById('pace').options.length === 7")
+    assert page.evaluate(shown) == 1
 
 
 def test_the_slider_of_the_gap_follows_one_that_wears(page):

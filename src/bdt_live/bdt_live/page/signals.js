@@ -86,16 +86,19 @@ export class Signals {
     return low - 1;
   }
 
-  // Values of the time that is shown, between two rows by a straight line.
+  // Values of the time that is shown, between two rows by a straight line; but the newest of what
+  // somebody sets, who waits to see it.
   now() {
     const before = this.indexAt(this.shown ?? 0);
     if (before < this.begin) return null;
     const after = Math.min(before + 1, this.end - 1);
     const span = this.columns.time[after] - this.columns.time[before];
     const share = span > 0 && span < 5 * BUCKET ? (this.shown - this.columns.time[before]) / span : 0;
-    const held = new Set(["reference", "dead_zone", "estimate", "uncertainty"]);
+    const held = new Set(["reference", "estimate", "uncertainty"]);
+    const set = new Set(["gap", "dead_zone"]);
     return Object.fromEntries(COLUMNS.map((name) => {
       const column = this.columns[name];
+      if (set.has(name)) return [name, column[this.end - 1]];
       const value = column[before];
       return [name, held.has(name) ? value : value + share * (column[after] - value)];
     }));

@@ -53,7 +53,20 @@ export class TimeControl {
     const can = pace !== null;
     for (const each of [button, this.button("step"), this.pace]) each.disabled = !can;
     this.button("step").disabled = !can || !paused;
-    if (can && document.activeElement !== this.pace) this.pace.value = String(pace);
+    if (can && document.activeElement !== this.pace) this.showPace(pace);
+  }
+
+  // Show a pace; one that is none of the page's own has an entry for as long as it lasts.
+  showPace(pace) {
+    const value = String(pace);
+    const before = this.pace.querySelector(".other");
+    if (before && before.value !== value) before.remove();
+    if (![...this.pace.options].some((each) => each.value === value)) {
+      const other = new Option(pace ? `${pace}×` : "full speed", value);
+      other.className = "other";
+      this.pace.add(other);
+    }
+    this.pace.value = value;
   }
 }
 
