@@ -1,5 +1,7 @@
 """Position over a window as a function of what is unknown about the mechanism, and its Jacobian."""
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,7 +9,7 @@ from bdt_plant.elementary_functions import FULL_TURN, exponential
 from bdt_plant.plant import PlantModel
 from bdt_plant.structure import DiscreteStructure, StructureState
 from bdt_twin.effect_slopes import add_drive_slopes
-from bdt_twin.fixed_order import dot, product
+from bdt_twin.fixed_order import dot, product, standard_deviation
 from bdt_twin.forward_model import (
     SlowMotion,
     StretchResponse,
@@ -199,6 +201,11 @@ class WindowModel:
         motions = [Motion(run.fast, run.slow, run.contact) for run in responses]
         step = self.block_step(unknowns)
         return DeviationModel(step, 1.0 / self.block_rate, motions)
+
+    @cached_property
+    def motion(self) -> float:
+        """Standard deviation of the measured position, in the stretch with the largest [m]."""
+        return max(standard_deviation(stretch.position) for stretch in self.stretches)
 
     def reversals(self, responses: list[StretchResponse]) -> list[int]:
         """Return the numbers of the samples at which the screw began to move the other way."""

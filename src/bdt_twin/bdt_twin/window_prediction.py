@@ -106,12 +106,10 @@ def without_growth(window: WindowModel, last: Predecessor, predicted: Unknowns) 
     window : WindowModel
         Model and data.
     last : Predecessor
-        The window before, and its fit.
+        The window before, and its fit, in which the screw reverses.
     predicted : Unknowns
         What :func:`predicted_unknowns` returns.
     """
-    reversals = last.window.reversals(last.fit.responses)
-    if not reversals:
-        return predicted
-    known = np.minimum(window.knots, reversals[-1] / window.sampling_rate)
+    last_seen = last.window.reversals(last.fit.responses)[-1]
+    known = np.minimum(window.knots, last_seen / window.sampling_rate)
     return replace(predicted, gaps=np.interp(known, window.knots, predicted.gaps))

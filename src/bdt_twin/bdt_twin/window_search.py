@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from bdt_twin.fit_doubt import is_surprised
 from bdt_twin.fit_result import Fit
-from bdt_twin.fixed_order import standard_deviation
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.model_factors import FACTORS
@@ -89,7 +88,7 @@ def fit_window(
     simulations = max(MOST_SAMPLES // samples, FEWEST_SIMULATIONS)
     if predicted is None:
         return _from_many(problem, window, growth_change, machine, simulations)
-    enough = max(WORSE * error, _negligible(window))
+    enough = max(WORSE * error, EXPLAINED * window.motion)
     # What a model explains is not taken for a walk of the motor only because it was before.
     may_rest = levels is not None and is_restless(levels)
     first = quiet(levels) if levels is not None and may_rest else levels
@@ -115,13 +114,8 @@ def fit_window(
 
 def leaves_newest_unexplained(window: WindowModel, fit: Fit) -> bool:
     """Return whether a fit explains the newest data of its window worse than the others."""
-    negligible = _negligible(window) / fit.prediction_error
+    negligible = EXPLAINED * window.motion / fit.prediction_error
     return is_surprised(fit.innovations, fit.levels, window.block_rate, negligible)
-
-
-def _negligible(window: WindowModel) -> float:
-    """Return the prediction error that is as good as none [m]."""
-    return EXPLAINED * max(standard_deviation(stretch.position) for stretch in window.stretches)
 
 
 def _from_many(

@@ -5,6 +5,9 @@ export const COLUMNS = [
   "theta_m", "theta_d", "gap", "q1", "q2", "reference", "dead_zone", "estimate", "uncertainty",
 ];
 
+const HELD = new Set(["reference", "estimate", "uncertainty"]); // from row to row
+const NEWEST = new Set(["gap", "dead_zone"]); // what somebody sets, who waits to see it
+
 const KEPT = 12000; // rows: two minutes
 const BUCKET = 0.01; // s, of a row
 const LEAST_LAG = 0.04; // s of wall time by which what is shown is behind the newest row
@@ -86,21 +89,19 @@ export class Signals {
     return low - 1;
   }
 
-  // Values of the time that is shown, between two rows by a straight line; but the newest of what
-  // somebody sets, who waits to see it.
+  // Values of the time that is shown, between two rows by a straight line; NEWEST of the newest
+  // row.
   now() {
     const before = this.indexAt(this.shown ?? 0);
     if (before < this.begin) return null;
     const after = Math.min(before + 1, this.end - 1);
     const span = this.columns.time[after] - this.columns.time[before];
     const share = span > 0 && span < 5 * BUCKET ? (this.shown - this.columns.time[before]) / span : 0;
-    const held = new Set(["reference", "estimate", "uncertainty"]);
-    const set = new Set(["gap", "dead_zone"]);
     return Object.fromEntries(COLUMNS.map((name) => {
       const column = this.columns[name];
-      if (set.has(name)) return [name, column[this.end - 1]];
+      if (NEWEST.has(name)) return [name, column[this.end - 1]];
       const value = column[before];
-      return [name, held.has(name) ? value : value + share * (column[after] - value)];
+      return [name, HELD.has(name) ? value : value + share * (column[after] - value)];
     }));
   }
 }

@@ -94,7 +94,8 @@ def summarize_trials(
     times = np.concatenate([trial.window_times for trial in trials])
     avoidable = sum(trial.avoidable_limit_cycles for trial in trials)
     steps = sum(trial.avoidable_steps for trial in trials)
-    # What has a limit cycle with the true gap, and what of it has one here, too.
+    # Each step has a settling time. Some have a limit cycle with the true gap, and of these some
+    # have one here, too.
     unavoidable = settling.size - steps
     shared = sum(trial.limit_cycles for trial in trials) - avoidable
     return CaseOutcome(
