@@ -1,16 +1,17 @@
 """Loops compile at once, also where no cache can be written; without numba they just run."""
 
-import hashlib
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+from threading import Event, Thread
 
 import numpy as np
 import pytest
 
 from bdt_plant import compilation
-from bdt_plant.compilation import GIVEN, WRITTEN, compile_loop
+from bdt_plant.compilation import GIVEN, WRITTEN, _rows_in_vectors, compile_loop
 
 
 def double(given, written):
@@ -78,12 +79,56 @@ def test_a_loop_is_compiled_with_the_steps_that_it_calls():
     assert written.tolist() == [1.0, 2.0, 3.0]
 
 
-def test_the_loop_holds_a_hash_of_the_sources_of_its_steps(monkeypatch):
+def test_the_loop_holds_a_hash_of_its_steps_and_of_how_it_is_compiled(tmp_path, monkeypatch):
     built = []
     monkeypatch.setattr(compilation, "compile_loop", lambda loop, _: built.append(loop))
-    compilation.compile_with_steps(build, [plus_one], signature)
-    [held] = built[0].__closure__
-    assert held.cell_contents == hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
+    copy = shutil.copy(compilation.__file__, tmp_path)
+    monkeypatch.setattr(compilation, "__file__", str(copy))
+    for changed in ("", "", "# compiled in another way"):
+        with Path(copy).open("a", encoding="utf-8") as source:
+            source.write(changed)
+        compilation.compile_with_steps(build, [plus_one], signature)
+    first, second, third = (loop.__closure__[0].cell_contents for loop in built)
+    assert first == second != third
+
+
+def test_the_hash_is_that_of_all_sources(tmp_path):
+    sources = [tmp_path / "first.py", tmp_path / "second.py"]
+    for source in sources:
+        source.touch()
+    hashes = {compilation.source_hash(map(str, sources))}
+    for source in sources:
+        source.write_text("a = 1", encoding="utf-8")
+        hashes.add(compilation.source_hash(map(str, sources)))
+    assert len(hashes) == 3
+
+
+def test_two_threads_that_compile_do_not_take_the_setting_from_each_other():
+    inside, leave, left = Event(), Event(), Event()
+    seen = []
+
+    def first():
+        with _rows_in_vectors():
+            inside.set()
+            leave.wait(10.0)
+        left.set()
+
+    def second():
+        with _rows_in_vectors():
+            leave.set()
+            left.wait(10.0)
+            seen.append(numba.config.SLP_VECTORIZE)
+
+    threads = [Thread(target=first), Thread(target=second)]
+    threads[0].start()
+    assert inside.wait(10.0)
+    threads[1].start()
+    # The second one cannot come in before the first one is out.
+    assert not leave.wait(0.2)
+    leave.set()
+    for thread in threads:
+        thread.join(10.0)
+    assert seen == [1]
 
 
 def test_without_numba_a_loop_with_steps_runs_as_it_is(monkeypatch):

@@ -4,7 +4,6 @@ import os
 import platform
 import subprocess
 import sys
-from threading import Event, Thread
 
 import pytest
 
@@ -13,7 +12,7 @@ pytest.importorskip("numba")
 PACKED = """
 import os, re
 from bdt_study.simulation import loop_kernel
-os.environ.update({environment})
+{before}
 loop = loop_kernel.compiled_loop(is_machine=False)
 (assembly,) = loop.inspect_asm().values()
 print(len(re.findall(r"v?mulpd|vfn?m(?:add|sub)[0-9]+pd", assembly)))
@@ -21,9 +20,9 @@ print(len(re.findall(r"v?mulpd|vfn?m(?:add|sub)[0-9]+pd", assembly)))
 """Prints how many multiplications of several numbers at once the compiled loop has."""
 
 
-def packed_multiplications(cache, environment):
+def packed_multiplications(cache, before=""):
     result = subprocess.run(
-        [sys.executable, "-c", PACKED.format(environment=environment)],
+        [sys.executable, "-c", PACKED.format(before=before)],
         env={**os.environ, "NUMBA_CACHE_DIR": str(cache)},
         capture_output=True,
         text=True,
@@ -33,41 +32,17 @@ def packed_multiplications(cache, environment):
     return int(result.stdout)
 
 
+MUCH_BEFORE = """
+from bdt_plant.compiled_period import compiled_hold_period
+compiled_hold_period()
+os.environ["NUMBA_LATER"] = "1"
+"""
+"""A loop that shares steps with the kernel, and a change of numba's environment."""
+
+
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="names of that processor's instructions")
-def test_rows_are_in_vectors_although_the_environment_has_changed(tmp_path):
+def test_rows_are_in_vectors_whatever_was_before(tmp_path):
     """What is compiled once is kept on the disk: as slow as it came out."""
-    unchanged = packed_multiplications(tmp_path / "unchanged", {})
-    assert unchanged > 10
-    assert packed_multiplications(tmp_path / "changed", {"NUMBA_LATER": "1"}) == unchanged
-
-
-def test_two_threads_that_compile_do_not_take_the_setting_from_each_other():
-    from numba import config
-
-    from bdt_study.simulation.loop_kernel import _rows_in_vectors
-
-    inside, leave, left = Event(), Event(), Event()
-    seen = []
-
-    def first():
-        with _rows_in_vectors():
-            inside.set()
-            leave.wait(10.0)
-        left.set()
-
-    def second():
-        with _rows_in_vectors():
-            leave.set()
-            left.wait(10.0)
-            seen.append(config.SLP_VECTORIZE)
-
-    threads = [Thread(target=first), Thread(target=second)]
-    threads[0].start()
-    assert inside.wait(10.0)
-    threads[1].start()
-    # The second one cannot come in before the first one is out.
-    assert not leave.wait(0.2)
-    leave.set()
-    for thread in threads:
-        thread.join(10.0)
-    assert seen == [1]
+    alone = packed_multiplications(tmp_path / "alone")
+    assert alone > 10
+    assert packed_multiplications(tmp_path / "after", MUCH_BEFORE) == alone

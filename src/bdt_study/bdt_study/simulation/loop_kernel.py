@@ -5,14 +5,12 @@ controller (eqs 4, 5, 7, 8), of sensor and actuator are compiled from outside, s
 nothing of numba, and the kernel gives the floats of the plain Python loop, bit for bit.
 """
 
-from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Collection
 from functools import cache
-from threading import Lock
 from typing import Any
 
 import numpy as np
-from numba import config, typeof, types
+from numba import typeof, types
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
@@ -105,9 +103,6 @@ def run_kernel(
     return result
 
 
-_COMPILING = Lock()
-"""Held while the settings of numba, which are those of all threads, are the kernel's."""
-
 SHARED = (control_step, saturated, amplified, delayed, seen_position, sensor_reading)
 COMPILED = (plant_step, first_platform, *SHARED)
 """Step functions of the cores that the kernel calls."""
@@ -123,11 +118,10 @@ def compiled_loop(*, is_machine: bool) -> Any:
         Whether the plant is one that is not linear: it has a loop of its own, so that the paper's
         is as fast as if there were no other.
     """
-    with _rows_in_vectors():
-        if is_machine:
-            steps = (machine_step, first_platform_of_machine, *SHARED)
-            return compile_with_steps(_machine_loop, steps, _machine_signature)
-        return compile_with_steps(_closed_loop, COMPILED, _signature)
+    if is_machine:
+        steps = (machine_step, first_platform_of_machine, *SHARED)
+        return compile_with_steps(_machine_loop, steps, _machine_signature)
+    return compile_with_steps(_closed_loop, COMPILED, _signature)
 
 
 def _machine_signature() -> Any:
@@ -220,19 +214,3 @@ def _loop_around(
         return LoopState(plant, control, SensorState(begin + u.size, reading, line, recent))
 
     return closed_loop
-
-
-@contextmanager
-def _rows_in_vectors() -> Iterator[None]:
-    """Let LLVM work on the rows of a step side by side: half of the time, the same floats."""
-    settings: Any = config
-    with _COMPILING:
-        # Numba reads the environment anew when it compiles, if that has changed since it was
-        # imported, and would forget this setting; and what it compiles then is kept for ever.
-        settings.reload_config()
-        before = settings.SLP_VECTORIZE
-        settings.SLP_VECTORIZE = 1
-        try:
-            yield
-        finally:
-            settings.SLP_VECTORIZE = before
