@@ -7,7 +7,12 @@ import pytest
 
 from bdt_analysis.metrics.oscillation import find_oscillation
 from bdt_analysis.metrics.reference_steps import find_steps
-from bdt_analysis.metrics.step_analysis import has_limit_cycle, settling_time, summarize_step
+from bdt_analysis.metrics.step_analysis import (
+    LOOKED_AT_ONCE,
+    has_limit_cycle,
+    settling_time,
+    summarize_step,
+)
 
 RATE = 1000.0
 HEIGHT = 5e-3
@@ -93,7 +98,7 @@ def test_creep_is_not_a_limit_cycle():
 def test_noise_is_not_a_limit_cycle():
     noise = np.random.default_rng(2).normal(0.0, 1.2e-5, 3000)
     assert np.ptp(noise) > 0.01 * HEIGHT
-    assert has_limit_cycle(noise, find_oscillation(noise, 1 / RATE), HEIGHT) is False
+    assert has_limit_cycle(find_oscillation(noise, 1 / RATE), np.ptp(noise), HEIGHT) is False
 
 
 def test_last_step_that_is_cut_says_nothing():
@@ -128,7 +133,7 @@ def test_oscillation_around_the_first_position():
 
 def test_limit_cycle_needs_a_height():
     sine = np.sin(np.arange(3000) / 100)
-    assert has_limit_cycle(sine, find_oscillation(sine, 1 / RATE), None) is None
+    assert has_limit_cycle(find_oscillation(sine, 1 / RATE), 2.0, None) is None
 
 
 def test_settling_time():
@@ -138,3 +143,18 @@ def test_settling_time():
     assert settling_time(time, 0.0, (time > 8) * 1.0, 0.0, 0.1, 8.0) is None
     assert settling_time(time, 0.0, (time > 8) * 1.0, 0.0, 0.1, 10.0) is None
     assert settling_time(time + 5.0, 5.0, (time < 4) * 1.0, 0.0, 0.1, 8.0) == 4.0
+
+
+@pytest.mark.parametrize("last", [0, 1, LOOKED_AT_ONCE - 1, LOOKED_AT_ONCE, 3 * LOOKED_AT_ONCE])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_settling_time_of_a_long_step(last, side):
+    time = np.arange(3.5 * LOOKED_AT_ONCE)
+    position = np.full(time.size, 2.0)
+    position[last] += 0.2 * side
+    assert settling_time(time, 0.0, position, 2.0, 0.1, time[-1]) == last + 1.0
+
+
+def test_a_missing_sample_hides_no_other_one_outside_the_band():
+    time, position = np.arange(10.0), np.zeros(10)
+    position[3], position[6] = 1.0, np.nan
+    assert settling_time(time, 0.0, position, 0.0, 0.1, 8.0) == 4.0

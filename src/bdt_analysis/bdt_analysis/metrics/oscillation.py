@@ -35,10 +35,15 @@ class Oscillation(NamedTuple):
         [unit of the signal]; zero for a monotone motion, however large.
     sustained : bool
         True when it does not decay and fills the window.
+    frequency : float or None
+        Counted swings per time, two of them a period [Hz]; None if it is not sustained. The time
+        runs from the middle of the first counted swing to that of the last one, which a drift
+        moves less than turning points.
     """
 
     amplitude: float
     sustained: bool
+    frequency: float | None = None
 
 
 def find_oscillation(signal: FloatArray, sample_time: float) -> Oscillation:
@@ -65,7 +70,8 @@ def find_oscillation(signal: FloatArray, sample_time: float) -> Oscillation:
     sample_time : float
         Sample time [s].
     """
-    smooth = _block_means(signal, max(round(SMOOTHING_TIME / sample_time), 1))
+    block = max(round(SMOOTHING_TIME / sample_time), 1)
+    smooth = _block_means(signal, block)
     if smooth.size < 4:
         return Oscillation(0.0, sustained=False)
     rise = np.max(smooth - np.minimum.accumulate(smooth))
@@ -74,42 +80,17 @@ def find_oscillation(signal: FloatArray, sample_time: float) -> Oscillation:
     half = smooth.size // 2
     first, second = float(np.ptp(smooth[:half])), float(np.ptp(smooth[half:]))
     if amplitude <= 0.0 or second < DECAY * first:
-        sustained = False
-    elif first < COUNTED_SWING * amplitude:
+        return Oscillation(amplitude, sustained=False)
+    turns = turning_points(smooth, COUNTED_SWING * amplitude)
+    middles = _middles(smooth, turns)
+    if first < COUNTED_SWING * amplitude:
         sustained = _grows(smooth, COUNTED_SWING * first)
     else:
-        sustained = _steady(smooth, COUNTED_SWING * amplitude)
-    return Oscillation(amplitude, sustained)
-
-
-def oscillation_frequency(signal: FloatArray, sample_time: float) -> float | None:
-    """Return the frequency of an oscillation: counted swings per time, two of them a period.
-
-    The time runs from the middle of the first counted swing to that of the last one, which a
-    drift moves less than turning points.
-
-    Parameters
-    ----------
-    signal : ndarray, shape (n,)
-        Signal at a constant sampling rate.
-    sample_time : float
-        Sample time [s].
-
-    Returns
-    -------
-    float or None
-        Frequency [Hz]; None with fewer than three counted swings.
-    """
-    block = max(round(SMOOTHING_TIME / sample_time), 1)
-    smooth = _block_means(signal, block)
-    largest = find_oscillation(signal, sample_time).amplitude
-    if largest <= 0.0:
-        return None
-    turns = turning_points(smooth, COUNTED_SWING * largest)
-    if len(turns) - 1 < SWINGS:
-        return None
-    middles = _middles(smooth, turns)
-    return (len(middles) - 1) / (2.0 * (middles[-1] - middles[0]) * block * sample_time)
+        sustained = _steady(smooth, turns, middles)
+    if not sustained or len(middles) < SWINGS:
+        return Oscillation(amplitude, sustained)
+    time = (middles[-1] - middles[0]) * block * sample_time
+    return Oscillation(amplitude, sustained, (len(middles) - 1) / (2.0 * time))
 
 
 def turning_points(signal: FloatArray, threshold: float) -> list[int]:
@@ -129,30 +110,28 @@ def turning_points(signal: FloatArray, threshold: float) -> list[int]:
     """
     values = signal.tolist()
     turns: list[int] = []
-    high = low = 0
-    direction = 0
+    high = low = direction = 0
+    highest = lowest = values[0] if values else 0.0
     for index, value in enumerate(values):
-        if value > values[high]:
-            high = index
-        if value < values[low]:
-            low = index
-        if direction >= 0 and values[high] - value >= threshold:
+        if value > highest:
+            highest, high = value, index
+        if value < lowest:
+            lowest, low = value, index
+        if direction >= 0 and highest - value >= threshold:
             turns.append(high)
-            direction, low = -1, index
-        elif direction <= 0 and value - values[low] >= threshold:
+            direction, lowest, low = -1, value, index
+        elif direction <= 0 and value - lowest >= threshold:
             turns.append(low)
-            direction, high = 1, index
+            direction, highest, high = 1, value, index
     if direction:
         turns.append(high if direction > 0 else low)
     return turns
 
 
-def _steady(smooth: FloatArray, threshold: float) -> bool:
+def _steady(smooth: FloatArray, turns: list[int], middles: list[int]) -> bool:
     """Tell whether there are three counted swings or more that reach from end to end."""
-    turns = turning_points(smooth, threshold)
-    if len(turns) - 1 < SWINGS:
+    if len(middles) < SWINGS:
         return False
-    middles = _middles(smooth, turns)
     allowed = 2 * int(np.max(np.diff(middles)))
     # The first and the last swing are cut by the window: compare whole ones, if there are two.
     sizes = np.abs(np.diff(smooth[turns]))
@@ -163,10 +142,15 @@ def _steady(smooth: FloatArray, threshold: float) -> bool:
 
 def _middles(smooth: FloatArray, turns: list[int]) -> list[int]:
     """Return where each swing is half done: before a slip it is quiet at the turning point."""
-    return [
-        first + int(np.argmax(_fraction(smooth[first : last + 1]) >= 0.5))
-        for first, last in pairwise(turns)
-    ]
+    values = smooth.tolist()
+    return [_middle(values, first, last) for first, last in pairwise(turns)]
+
+
+def _middle(values: list[float], first: int, last: int) -> int:
+    """Return the first sample from a turning point on at which half of the swing is done."""
+    begin, end = values[first], values[last]
+    done = ((value - begin) / (end - begin) for value in values[first : last + 1])
+    return next((index for index, part in enumerate(done, first) if part >= 0.5), first)
 
 
 def _grows(smooth: FloatArray, threshold: float) -> bool:
@@ -179,12 +163,6 @@ def _grows(smooth: FloatArray, threshold: float) -> bool:
     sizes = np.abs(np.diff(smooth[turns]))
     gradual = bool((sizes[1:] <= FASTEST_GROWTH * sizes[:-1]).all())
     return gradual and int(sizes.argmax()) >= sizes.size - 2
-
-
-def _fraction(swing: FloatArray) -> FloatArray:
-    """Return the part of a swing that is done at each sample: 0 at its beginning, 1 at its end."""
-    done: FloatArray = (swing - swing[0]) / (swing[-1] - swing[0])
-    return done
 
 
 def _block_means(signal: FloatArray, block: int) -> FloatArray:

@@ -5,11 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_analysis.metrics.oscillation import (
-    Oscillation,
-    find_oscillation,
-    oscillation_frequency,
-)
+from bdt_analysis.metrics.oscillation import Oscillation, find_oscillation
 from bdt_analysis.metrics.reference_steps import ReferenceStep
 
 FloatArray = NDArray[np.float64]
@@ -25,6 +21,9 @@ CLEAN = 0.9
 
 SHORTEST_JUDGED = 1.0
 """Length [s] of the window below which neither settling nor a limit cycle can be told."""
+
+LOOKED_AT_ONCE = 8192
+"""Samples whose distances from the final position are looked at together."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,7 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
     if step.cut or step.holed or end - window < 2:
         return StepSummary(step.t_start, step.reference, None, None, None, None, None)
     tail = position[window:end]
-    final = float(tail.mean())
+    final, peak_to_peak = float(tail.mean()), float(np.ptp(tail))
     bias = final - step.reference
     judged = step.window >= SHORTEST_JUDGED
     settling = None
@@ -106,12 +105,14 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
             step.length - step.window / 3,
         )
     cycle, amplitude, frequency = (
-        _limit_cycle_of(tail, sample_time, step.scale) if judged else (None, None, None)
+        _limit_cycle_of(find_oscillation(tail, sample_time), peak_to_peak, step.scale)
+        if judged
+        else (None, None, None)
     )
     return StepSummary(
         t_start_s=step.t_start,
         reference_m=step.reference,
-        residual_peak_to_peak_m=float(np.ptp(tail)),
+        residual_peak_to_peak_m=peak_to_peak,
         bias_m=bias,
         bias_percent_of_amplitude=100 * bias / step.height if step.height else None,
         settling_time_s=settling,
@@ -122,14 +123,13 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
 
 
 def _limit_cycle_of(
-    tail: FloatArray, sample_time: float, scale: float | None
+    oscillation: Oscillation, peak_to_peak: float, scale: float | None
 ) -> tuple[bool, float | None, float | None]:
     """Return whether the end of a step is a limit cycle, its amplitude [m] and frequency [Hz]."""
-    oscillation = find_oscillation(tail, sample_time)
-    if not has_limit_cycle(tail, oscillation, scale):
+    if not has_limit_cycle(oscillation, peak_to_peak, scale):
         return False, None, None
-    amplitude = 0.5 * oscillation_peak_to_peak(tail, oscillation)
-    return True, amplitude, oscillation_frequency(tail, sample_time)
+    amplitude = 0.5 * oscillation_peak_to_peak(oscillation, peak_to_peak)
+    return True, amplitude, oscillation.frequency
 
 
 def settling_time(
@@ -163,50 +163,59 @@ def settling_time(
         Time of the first sample of the last stay within the band [s]; None if that is not before
         `latest`.
     """
-    distance = position - final
-    np.abs(distance, out=distance)
-    outside = np.flatnonzero(distance > band)
-    if not outside.size:
+    last = _last_outside(position, final, band)
+    if last is None:
         return 0.0
-    last = int(outside[-1])
     if time[last] - begin > latest or last + 1 == time.size:
         return None
     return float(time[last + 1] - begin)
 
 
+def _last_outside(position: FloatArray, final: float, band: float) -> int | None:
+    """Return the last sample that is further than a band from a position; None if none is."""
+    # From the end, because most steps settle late or not at all, and few samples at a time, which
+    # are in the processor's cache when they are looked at again.
+    for end in range(position.size, 0, -LOOKED_AT_ONCE):
+        begin = max(end - LOOKED_AT_ONCE, 0)
+        part = position[begin:end]
+        if part.max() - final <= band and final - part.min() <= band:
+            continue
+        outside = np.flatnonzero(np.abs(part - final) > band)
+        if outside.size:
+            return begin + int(outside[-1])
+    return None
+
+
 def has_limit_cycle(
-    position: FloatArray, oscillation: Oscillation, height: float | None
+    oscillation: Oscillation, peak_to_peak: float, height: float | None
 ) -> bool | None:
     """Tell whether the end of a step is a limit cycle; None without a height to compare with.
 
     Parameters
     ----------
-    position : ndarray, shape (n,)
-        Position q3 over the window at the end of the step [m].
     oscillation : Oscillation
-        What was found in it.
+        What was found in q3 over the window at the end of the step.
+    peak_to_peak : float
+        Peak to peak of q3 in that window [m].
     height : float or None
         Height of the step [m].
     """
     if height is None:
         return None
-    return (
-        oscillation.sustained
-        and oscillation_peak_to_peak(position, oscillation) > LIMIT_CYCLE_THRESHOLD * height
-    )
+    size = oscillation_peak_to_peak(oscillation, peak_to_peak)
+    return oscillation.sustained and size > LIMIT_CYCLE_THRESHOLD * height
 
 
-def oscillation_peak_to_peak(position: FloatArray, oscillation: Oscillation) -> float:
+def oscillation_peak_to_peak(oscillation: Oscillation, peak_to_peak: float) -> float:
     """Return the peak to peak of an oscillation [m], without drift and noise.
 
     Parameters
     ----------
-    position : ndarray, shape (n,)
-        Position q3 over the window at the end of the step [m].
     oscillation : Oscillation
-        What was found in it.
+        What was found in q3 over the window at the end of the step.
+    peak_to_peak : float
+        Peak to peak of q3 in that window [m].
     """
-    peak_to_peak = float(np.ptp(position))
     # Smoothing takes a little from the peaks; with noise or drift it takes more, and should.
     is_clean = oscillation.amplitude >= CLEAN * peak_to_peak
     return peak_to_peak if is_clean else oscillation.amplitude
