@@ -1,6 +1,7 @@
 """``bdt bench live``: what a page costs the loop, and how soon it shows what is dragged."""
 
 import asyncio
+import math
 import os
 import tempfile
 import time
@@ -32,16 +33,21 @@ BESIDE_OTHERS = 19
 SUSPENDED = 60.0
 """Longest wall time [s] for which a page is suspended."""
 
-ROUNDS = 4
+FEWEST_ROUNDS, MOST_ROUNDS = 4, 40
 """How often the page comes and goes beside a loop in real time."""
 
 SETTLED = 1.0
 """Wall time [s] that is left out after the page has come or gone."""
 
-LONGEST_ROUND = 60.0
+ROUND = 9.0
+"""Wall time [s] with the page and without it: the speed of a computer changes within minutes."""
 
 MOST_CHANGE = 0.05
 """Share by which a page may change the loop's time."""
+
+MEDIAN_OF_NORMAL = 1.86
+"""Standard deviation of the median of normal values, times the root of their number, over their
+median deviation from it."""
 
 ROS_PROCESS = b"bdt_live.ros_process"
 
@@ -177,7 +183,8 @@ async def _time_to_catch_up(address: str, duration: float) -> float:
 
 async def _beside_a_loop_in_real_time(folder: Path, duration: float) -> list[dict[str, Any]]:
     """Let the page come and go beside a loop, and compare each time with before and after."""
-    length = min(max(duration / ROUNDS, SETTLED + 2.0), LONGEST_ROUND)
+    rounds = min(max(round(duration / (2.0 * ROUND)), FEWEST_ROUNDS), MOST_ROUNDS)
+    length = min(max(duration / rounds, SETTLED + 2.0), ROUND)
     place = ["--namespace", f"benchmark_{os.getpid()}"]
     run = ["run", "--mode", "realtime", "--no-bag", "--duration", "1e6", *place]
     run += ["--output", str(folder / "run")]
@@ -190,7 +197,7 @@ async def _beside_a_loop_in_real_time(folder: Path, duration: float) -> list[dic
         )
         await line_of(observer)
         alone, with_page = [await _latency(observer, length)], []
-        for number in range(ROUNDS):
+        for number in range(rounds):
             output = folder / f"attached-{number}"
             async with (
                 server(output, "--attach", *place) as (address, _),
@@ -201,13 +208,14 @@ async def _beside_a_loop_in_real_time(folder: Path, duration: float) -> list[dic
                 with_page.append(await _latency(observer, length))
                 await asyncio.gather(*looking)
             alone.append(await _latency(observer, length))
-    around = list(pairwise(alone))
-    beside = zip(with_page, around, strict=True)
-    change = median(2.0 * there / (before + after) - 1.0 for there, (before, after) in beside)
-    noise = median(abs(after / before - 1.0) for before, after in around)
-    what = f"median of {ROUNDS}, {1e6 * median(alone):.0f} µs without; or as two without differ"
-    # No page can be told from none where two times without one differ by more.
-    allowed = 100.0 * max(MOST_CHANGE, noise)
+    beside = zip(with_page, pairwise(alone), strict=True)
+    changes = [2.0 * there / (before + after) - 1.0 for there, (before, after) in beside]
+    change = median(changes)
+    spread = median(abs(each - change) for each in changes)
+    uncertainty = MEDIAN_OF_NORMAL * spread / math.sqrt(rounds)
+    what = f"± {100.0 * uncertainty:.1f} %, {rounds} times, {1e6 * median(alone):.0f} µs without"
+    # No page can be told from none by less than twice the uncertainty.
+    allowed = 100.0 * max(MOST_CHANGE, 2.0 * uncertainty)
     return [_target("latency_change", 100.0 * change, "%", what, "at most", allowed)]
 
 
