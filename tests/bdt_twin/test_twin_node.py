@@ -740,3 +740,20 @@ def test_what_the_twin_knows_of_the_controller_is_read_once(ros, name):
     (result,) = bench.twin.set_parameters([Parameter(name, value=1.0)])
     assert not result.successful
     assert bench.twin.describe_parameter(name).read_only
+
+
+@pytest.mark.parametrize(
+    ("name", "allowed"),
+    [
+        ("reconfigure", "true or false"),
+        ("communication_delay", "0 to 10000 s"),
+        ("estimator.kind", "a text"),
+    ],
+)
+def test_a_description_says_what_is_allowed(ros, name, allowed):
+    assert Bench(ros).twin.describe_parameter(name).additional_constraints == allowed
+
+
+def test_a_switch_that_is_given_a_number_says_what_it_takes_and_no_more(ros):
+    with pytest.raises(ConfigurationError, match=r"must be true or false$"):
+        ros.create(TwinNode, reconfigure=1)

@@ -68,5 +68,6 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     if binary is None:
         pytest.skip(f"needs a browser: none of {', '.join(NAMES)} is on the PATH")
     opened = Browser(binary, tmp_path_factory.mktemp("profile"))
+    opened.watch()
     yield opened
     opened.close()

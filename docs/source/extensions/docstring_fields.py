@@ -34,7 +34,7 @@ def describe_quantities(
     lines += ["", "Attributes", "----------"]
     for name, default, described in quantities:
         unit = f" [{described.unit}]" if described.unit else ""
-        allowed = "" if described.allowed() == "any" else f", {described.allowed()}"
+        allowed = "" if described.is_free else f", {described.allowed()}"
         lines += [f"{name} : {default!r}{unit}{allowed}", f"    {described.description}"]
 
 

@@ -33,7 +33,7 @@ BESIDE_OTHERS = 19
 SUSPENDED = 60.0
 """Longest wall time [s] for which a page is suspended."""
 
-FEWEST_ROUNDS, MOST_ROUNDS = 4, 40
+FEWEST_ROUNDS, MOST_ROUNDS = 4, 20
 """How often the page comes and goes beside a loop in real time."""
 
 SETTLED = 1.0

@@ -55,8 +55,7 @@ def declare(node: Node, prefix: str, parameters: type[Parameters]) -> Parameters
         except ParameterException as error:
             given = _override(node, parameter)
             raise ConfigurationError(
-                f"parameter {parameter} = {given!r}: must be {_type_name(default)}, "
-                f"{described.allowed()}"
+                f"parameter {parameter} = {given!r}: must be {_rule(default, described)}"
             ) from error
         values[name] = tuple(value) if isinstance(default, tuple) else value
         try:
@@ -198,11 +197,16 @@ def _type_name(default: Any) -> str:
     return names[type(default)]
 
 
+def _rule(default: Any, described: Quantity) -> str:
+    kind = _type_name(default)
+    return kind if described.is_free else f"{kind}, {described.allowed()}"
+
+
 def _descriptor(default: Any, described: Quantity) -> ParameterDescriptor:
     unit = f" [{described.unit}]" if described.unit else ""
+    constraints = _type_name(default) if described.is_free else described.allowed()
     descriptor = ParameterDescriptor(
-        description=described.description + unit,
-        additional_constraints=described.allowed(),
+        description=described.description + unit, additional_constraints=constraints
     )
     low, high = described.minimum, described.maximum
     if low is None or high is None:

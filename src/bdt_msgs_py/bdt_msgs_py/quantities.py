@@ -40,6 +40,11 @@ class Quantity:
     choices: tuple[str, ...] = ()
     reconfigurable: bool = False
 
+    @property
+    def is_free(self) -> bool:
+        """Whether every value of the right type is allowed."""
+        return not self.choices and self.minimum is None and self.maximum is None
+
     def allowed(self) -> str:
         """Return what is allowed, as a phrase for messages and tables."""
         if self.choices:

@@ -94,7 +94,14 @@ class Chromium:
         page = next(target for target in targets if target["type"] == "page")
         attached = self.command("Target.attachToTarget", targetId=page["targetId"], flatten=True)
         self._session = attached["sessionId"]
-        for domain in ("Page", "Runtime", "Network", "Log"):
+        self.command("Page.enable")
+
+    def watch(self) -> None:
+        """Let the browser tell what it complains about and asks for, and each message of a socket.
+
+        This is work for both, so that whoever measures does without.
+        """
+        for domain in ("Runtime", "Network", "Log"):
             self.command(f"{domain}.enable")
 
     def _read(self) -> None:
