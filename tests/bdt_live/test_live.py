@@ -1,11 +1,15 @@
 """The command `bdt live`: what it refuses, and a loop that somebody else has started."""
 
 import asyncio
+import os
+from pathlib import Path
 
 import aiohttp
 import pytest
 
 from bdt_bringup.cli import run_command
+from bdt_live.measuring.process_load import tree_of
+from bdt_live.ros_process import NICENESS
 from bdt_msgs_py.command_errors import BAD_INPUT
 
 
@@ -53,6 +57,18 @@ def test_a_loop_that_runs_already_is_attached_to(live_loop, beside):
                         return message
 
     assert asyncio.run(first_frame())["rows"]
+
+
+def nicenesses_of(module, processes):
+    lines = {each: Path(f"/proc/{each}/cmdline").read_bytes().split(b"\0") for each in processes}
+    return [os.getpriority(os.PRIO_PROCESS, each) for each, line in lines.items() if module in line]
+
+
+def test_the_process_of_ros_lets_the_nodes_go_first(live_loop):
+    processes = tree_of(live_loop.process.pid)
+    assert nicenesses_of(b"bdt_live.ros_process", processes) == [NICENESS]
+    for node in (b"bdt_plant.plant_node", b"bdt_controller.controller_node"):
+        assert nicenesses_of(node, processes) == [os.getpriority(os.PRIO_PROCESS, 0)]
 
 
 def test_a_port_that_is_taken_is_told(live_loop, beside):

@@ -3,6 +3,7 @@
 ``python -m bdt_bringup.child_node PARENT bdt_live.ros_process SOCKET OUTPUT --ros-args ...``
 """
 
+import os
 import socket
 import sys
 from pathlib import Path
@@ -14,6 +15,9 @@ from bdt_live.live_node import LiveNode
 from bdt_msgs_py.node_main import run_node
 from bdt_msgs_py.spinning import spin_at_intervals_until
 
+NICENESS = 10
+"""How much the process lets others go first, 0 to 19: the loop above all."""
+
 
 def spin_while_watched(executor: SingleThreadedExecutor, node: LiveNode) -> None:
     """Run callbacks until the process of the page is gone, or a signal comes."""
@@ -23,6 +27,8 @@ def spin_while_watched(executor: SingleThreadedExecutor, node: LiveNode) -> None
 def main(args: list[str] | None = None) -> None:
     """Run the node."""
     program, number, output, *ros_arguments = sys.argv if args is None else args
+    # Before there are other threads, which inherit it.
+    os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
     end = socket.socket(fileno=int(number))
     channel = Channel(end)
     try:
