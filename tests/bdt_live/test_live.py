@@ -65,10 +65,11 @@ def nicenesses_of(module, processes):
 
 
 def test_the_process_of_ros_lets_the_nodes_go_first(live_loop):
-    processes = tree_of(live_loop.process.pid)
-    assert nicenesses_of(b"bdt_live.ros_process", processes) == [NICENESS]
+    processes, ours = tree_of(live_loop.process.pid), os.getpriority(os.PRIO_PROCESS, 0)
+    # Only a privileged user may be less nice than before.
+    assert nicenesses_of(b"bdt_live.ros_process", processes) == [max(ours, NICENESS)]
     for node in (b"bdt_plant.plant_node", b"bdt_controller.controller_node"):
-        assert nicenesses_of(node, processes) == [os.getpriority(os.PRIO_PROCESS, 0)]
+        assert nicenesses_of(node, processes) == [ours]
 
 
 def test_a_port_that_is_taken_is_told(live_loop, beside):

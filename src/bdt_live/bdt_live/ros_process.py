@@ -28,7 +28,7 @@ def main(args: list[str] | None = None) -> None:
     """Run the node."""
     program, number, output, *ros_arguments = sys.argv if args is None else args
     # Before there are other threads, which inherit it.
-    os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
+    os.setpriority(os.PRIO_PROCESS, 0, max(os.getpriority(os.PRIO_PROCESS, 0), NICENESS))
     end = socket.socket(fileno=int(number))
     channel = Channel(end)
     try:

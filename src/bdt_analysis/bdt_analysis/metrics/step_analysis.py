@@ -173,8 +173,8 @@ def settling_time(
 
 def _last_outside(position: FloatArray, final: float, band: float) -> int | None:
     """Return the last sample that is further than a band from a position; None if none is."""
-    # From the end, because most steps settle late or not at all, and few samples at a time, which
-    # are in the processor's cache when they are looked at again.
+    # From the end, where a loop that does not settle shows it, and few samples at a time, which are
+    # in the processor's cache when they are looked at again.
     for end in range(position.size, 0, -LOOKED_AT_ONCE):
         begin = max(end - LOOKED_AT_ONCE, 0)
         part = position[begin:end]
