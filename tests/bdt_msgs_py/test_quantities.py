@@ -179,6 +179,11 @@ def test_what_is_allowed_is_a_phrase(described, phrase):
     assert described.allowed() == phrase
 
 
+def test_what_a_value_has_to_be_names_its_kind_and_what_is_allowed_of_it():
+    assert LENGTH.rule("a number") == "a number, 0 to 2 m"
+    assert FREE.rule("a number") == "a number"
+
+
 @pytest.mark.parametrize("value", [10**400, -(10**400)])
 def test_an_integer_too_large_for_a_float_is_out_of_range_like_any_other(value):
     described = Quantity("m", "a length", minimum=0.0, maximum=1.0)

@@ -55,7 +55,7 @@ def declare(node: Node, prefix: str, parameters: type[Parameters]) -> Parameters
         except ParameterException as error:
             given = _override(node, parameter)
             raise ConfigurationError(
-                f"parameter {parameter} = {given!r}: must be {_rule(default, described)}"
+                f"parameter {parameter} = {given!r}: must be {described.rule(_type_name(default))}"
             ) from error
         values[name] = tuple(value) if isinstance(default, tuple) else value
         try:
@@ -195,11 +195,6 @@ def _type_name(default: Any) -> str:
     if isinstance(default, tuple):
         return f"a list, each {names[type(default[0])]}"
     return names[type(default)]
-
-
-def _rule(default: Any, described: Quantity) -> str:
-    kind = _type_name(default)
-    return kind if described.is_free else f"{kind}, {described.allowed()}"
 
 
 def _descriptor(default: Any, described: Quantity) -> ParameterDescriptor:

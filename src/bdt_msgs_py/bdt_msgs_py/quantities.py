@@ -58,6 +58,10 @@ class Quantity:
             return f"at most {self.maximum:g}{unit}"
         return "any"
 
+    def rule(self, kind: str) -> str:
+        """Return what a value of a kind, "a text" for example, has to be, as a phrase."""
+        return kind if self.is_free else f"{kind}, {self.allowed()}"
+
 
 def quantity(
     default: Any,
@@ -127,7 +131,7 @@ def check(label: str, value: Any, default: Any, described: Quantity) -> None:
             raise ValueError(f"{label} = {value!r}: must be {_text_rule(described)}")
     elif isinstance(default, int):
         if isinstance(value, bool) or not isinstance(value, int):
-            raise ValueError(f"{label} = {value!r}: must be an integer, {described.allowed()}")
+            raise ValueError(f"{label} = {value!r}: must be {described.rule('an integer')}")
         _check_number(label, value, described)
     else:
         _check_number(label, value, described)
@@ -178,7 +182,7 @@ def _text_rule(described: Quantity) -> str:
 
 def _check_number(label: str, value: Any, described: Quantity) -> None:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"{label} = {value!r}: must be a number, {described.allowed()}")
+        raise ValueError(f"{label} = {value!r}: must be {described.rule('a number')}")
     low = -math.inf if described.minimum is None else described.minimum
     high = math.inf if described.maximum is None else described.maximum
     # Compared before math.isfinite, which overflows for huge integers; NaN fails the comparison.

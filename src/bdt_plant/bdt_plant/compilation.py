@@ -17,6 +17,9 @@ GIVEN = "Array(float64, 1, 'C', readonly=True)"
 WRITTEN = "Array(float64, 1, 'C')"
 """Numba's type of an array of shape (n,) that a loop writes."""
 
+_COMPILING = Lock()
+"""Held while the settings of numba, which are those of all threads, are those of our loops."""
+
 
 def compile_loop(function: Callable[..., Any], signature: Any) -> Any:
     """Return a function compiled for one signature, at once rather than at its first call.
@@ -44,10 +47,6 @@ def compile_loop(function: Callable[..., Any], signature: Any) -> Any:
             # Neither beside the file nor in the home folder can a cache be written. Compiling anew
             # takes a second at each start, which is better than no start.
             return njit([signature], nogil=True)(function)
-
-
-_COMPILING = Lock()
-"""Held while the settings of numba, which are those of all threads, are those of our loops."""
 
 
 @contextmanager

@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from bdt_analysis.metrics.oscillation import (
-    find_oscillation,
-    turning_points,
-)
+from bdt_analysis.metrics.oscillation import find_oscillation, turning_points
 
 RATE = 5000.0
 TIME = np.arange(round(3.0 * RATE)) / RATE

@@ -36,9 +36,9 @@ class Oscillation(NamedTuple):
     sustained : bool
         True when it does not decay and fills the window.
     frequency : float or None
-        Counted swings per time, two of them a period [Hz]; None if it is not sustained. The time
-        runs from the middle of the first counted swing to that of the last one, which a drift
-        moves less than turning points.
+        Counted swings per time, two of them a period [Hz]; None if it is not sustained, or has
+        fewer than three. The time runs from the middle of the first counted swing to that of the
+        last one, which a drift moves less than turning points.
     """
 
     amplitude: float
