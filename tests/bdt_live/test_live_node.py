@@ -1,11 +1,13 @@
 """The node behind the page, with a controller beside it and the process of the page played here."""
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 from bdt_bags.reading.recording import load_recording
@@ -15,20 +17,28 @@ from bdt_live.extremes import COLUMNS
 from bdt_live.from_server import page_asks, page_has_come
 from bdt_live.live_node import STATE_PERIOD, LiveNode
 from bdt_live.page_requests import NODES
-from bdt_msgs_py.qos import publisher_profile
-from bdt_msgs_py.topics import TELEMETRY, TELEMETRY_COLUMNS, TRUTH, TRUTH_COLUMNS
-from bdt_msgs_py.writing import sample_message
+from bdt_live.short_looks import ENOUGH
+from bdt_msgs_py.qos import publisher_profile, qos_profile
+from bdt_msgs_py.topics import (
+    COMMAND,
+    MEASUREMENT,
+    TELEMETRY,
+    TELEMETRY_COLUMNS,
+    TRUTH,
+    TRUTH_COLUMNS,
+)
+from bdt_msgs_py.writing import platform_position, sample_message
 
 
 class Stand:
     """A live node with somebody who takes what it tells and asks it."""
 
-    def __init__(self, ros, output):
+    def __init__(self, ros, output, live_node=LiveNode):
         self.ros, self.told = ros, []
         own, other = channel_pair()
         self.channel, self.node_channel = Channel(own), Channel(other)
         self.controller = ros.create(ControllerNode, dead_zone_tolerance=2e-5)
-        self.live = ros.create(LiveNode, self.node_channel, output)
+        self.live = ros.create(live_node, self.node_channel, output)
 
     def hear(self, kind, **fields):
         """Return the first message of a kind that has these fields, once it is there."""
@@ -140,6 +150,41 @@ def test_samples_and_marks_become_frames_and_a_bag_of_what_was_said(stand, tmp_p
     assert stand.hear("marks", times=[times[-1]])
     telemetry.publish(sample_message(rows, TELEMETRY_COLUMNS))
     assert stand.hear("marks", times=[])
+
+
+@pytest.fixture
+def sparing_stand(ros, tmp_path):
+    made = Stand(ros, tmp_path, partial(LiveNode, spares_loop=True))
+    yield made
+    made.close()
+
+
+def test_a_loop_that_waits_for_nobody_is_timed_by_few_of_its_measurements(sparing_stand, tmp_path):
+    stand = sparing_stand
+    machine = stand.ros.create(Node, "machine")
+    measurement = machine.create_publisher(
+        JointState, MEASUREMENT.name, publisher_profile(MEASUREMENT)
+    )
+    telemetry = machine.create_publisher(
+        Float64MultiArray, TELEMETRY.name, publisher_profile(TELEMETRY)
+    )
+    answers = []
+    machine.create_subscription(JointState, COMMAND.name, answers.append, qos_profile(COMMAND))
+    stand.ros.spin_until(lambda: measurement.get_subscription_count() == 2)
+    stand.ros.spin_until(lambda: stand.controller.count_subscribers(COMMAND.name) == 2)
+    for number in range(1, 2 * ENOUGH):
+        measurement.publish(platform_position(2_000_000 * number, 2e-3))
+        stand.ros.spin_until(lambda asked=number: len(answers) == asked)
+        telemetry.publish(sample_message(np.array([[2e-3 * number, 1.0, 2e-3]]), TELEMETRY_COLUMNS))
+    stand.ros.spin_until(lambda: measurement.get_subscription_count() == 1)
+    latency = None
+    while latency is None:
+        latency = stand.hear("state")["latency"]
+    assert 0.0 < latency < 1.0
+    assert stand.ask(1, "save") is None
+    recording = load_recording(tmp_path / stand.hear("saved")["bag"])
+    assert "no measurement: the timing of the loop is that of telemetry" in recording.missing
+    assert recording.message_counts[f"/{COMMAND.name}"] == len(answers)
 
 
 def test_there_is_nothing_to_mark_before_the_loop_is_heard(stand):

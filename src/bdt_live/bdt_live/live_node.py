@@ -46,6 +46,8 @@ class LiveNode(Node):
         To the process of the page.
     output : Path
         Folder for bags.
+    spares_loop : bool
+        Whether the loop waits for nobody, and may not be held up: see :class:`LoopListener`.
     **node_arguments
         Passed on to :class:`rclpy.node.Node`.
 
@@ -57,13 +59,17 @@ class LiveNode(Node):
         Whether the process of the page is gone.
     """
 
-    def __init__(self, channel: Channel, output: Path, **node_arguments: Any) -> None:
+    def __init__(
+        self, channel: Channel, output: Path, *, spares_loop: bool = False, **node_arguments: Any
+    ) -> None:
         super().__init__("live", **node_arguments)
         self._channel = channel
         self.is_alone = False
         self._health = LoopHealth(self)
         self._parameters = {name: RemoteParameters(self, name, channel.send) for name in NODES}
-        self._listener = LoopListener(self, list(self._parameters.values()))
+        self._listener = LoopListener(
+            self, list(self._parameters.values()), spares_loop=spares_loop
+        )
         rows = self._listener.rows
         self._control = LoopControl(
             self._parameters, lambda: self._listener.end or 0.0, lambda: rows.gap

@@ -14,6 +14,7 @@ from bdt_live.extremes import RowMaker
 from bdt_live.held_parameters import HeldParameters
 from bdt_live.loop_timing import LoopTiming
 from bdt_live.recent_messages import Held, LastMessage, RecentMessages
+from bdt_live.short_looks import ShortLooks
 from bdt_msgs_py.message_checks import (
     check_estimate,
     check_position,
@@ -60,6 +61,9 @@ class LoopListener:
         Node that listens.
     events : list of EventListener
         Get the parameter events.
+    spares_loop : bool
+        Whether to hear measurements for a moment now and then only, and to keep none: each of
+        their subscribers lets the controller have them later.
 
     Attributes
     ----------
@@ -77,13 +81,14 @@ class LoopListener:
         What somebody has marked since time began [s].
     """
 
-    def __init__(self, node: Node, events: list[EventListener]) -> None:
+    def __init__(self, node: Node, events: list[EventListener], *, spares_loop: bool) -> None:
         self.messages = 0
         self.rows, self.timing, self.recent = RowMaker(), LoopTiming(), RecentMessages()
         self.end: float | None = None
         self.marks: deque[float] = deque(maxlen=MOST_MARKS)
         self._events = events
-        self._measurements = self._measured = 0
+        self._commands = self._commanded = 0
+        self._looks: ShortLooks | None = None
         self._timed: dict[str, deque[tuple[int, bytes]]] = {
             topic.name: deque(maxlen=TIMED) for topic in (MEASUREMENT, COMMAND)
         }
@@ -98,12 +103,17 @@ class LoopListener:
         chosen, _ = project_topics(node, "")
         self._types = {each.topic: each.message_type for each in chosen}
         for each in chosen:
-            self._subscribe(node, each, readers.get(each.topic) if each.topic else None)
+            if spares_loop and each.topic is MEASUREMENT:
+                self._looks = ShortLooks(node, each, self._take_measurement)
+            else:
+                self._subscribe(node, each, readers.get(each.topic) if each.topic else None)
 
     def look(self) -> None:
         """Look at the times of some messages, and count them."""
-        self.timing.count(self._measurements, self._measured, time.time_ns())
-        self._measurements = 0
+        if self._looks is not None:
+            self._looks.look(time.monotonic())
+        self.timing.count(self._commands, self._commanded, time.time_ns())
+        self._commands = 0
         for topic, note in ((MEASUREMENT, self.timing.measured), (COMMAND, self.timing.commanded)):
             waiting = self._timed[topic.name]
             while waiting:
@@ -124,8 +134,8 @@ class LoopListener:
             self.recent.add(SerializedMessage(number, received, received, data))
             if timed is not None:
                 timed.append((sent, data))
-                if topic is MEASUREMENT:
-                    self._measurements, self._measured = self._measurements + 1, sent
+                if topic is COMMAND:
+                    self._commands, self._commanded = self._commands + 1, sent
             elif read is not None:
                 # A stray message is for the nodes of the loop to complain about.
                 with contextlib.suppress(MessageRejectedError):
@@ -134,6 +144,10 @@ class LoopListener:
         node.create_subscription(
             chosen.message_type, chosen.recorded.name, take, chosen.profile, raw=True
         )
+
+    def _take_measurement(self, data: bytes, info: dict[str, int]) -> None:
+        self.messages += 1
+        self._timed[MEASUREMENT.name].append((info["source_timestamp"], data))
 
     def _take_telemetry(self, message: Any) -> None:
         rows = check_telemetry_times(message)

@@ -9,7 +9,7 @@ WINDOW = 100
 
 
 class LoopTiming:
-    """Counts measurements, and matches commands with what they answer.
+    """Counts commands, and matches them with the measurements that they answer.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class LoopTiming:
         self._rate: float | None = None
 
     def count(self, messages: int, newest: int, now: int) -> None:
-        """Count measurements.
+        """Count commands.
 
         Parameters
         ----------
@@ -57,7 +57,7 @@ class LoopTiming:
 
     @property
     def rate(self) -> float | None:
-        """Measurements in a second of wall time [Hz]; None before they were counted."""
+        """Commands in a second of wall time [Hz]; None before they were counted."""
         return self._rate
 
     @property

@@ -1,6 +1,7 @@
 """The process behind a page: ROS, apart from the server, so that the page never slows the loop.
 
-``python -m bdt_bringup.child_node PARENT bdt_live.ros_process SOCKET OUTPUT --ros-args ...``
+``python -m bdt_bringup.child_node PARENT bdt_live.ros_process SOCKET OUTPUT MODE --ros-args ...``
+where MODE is that of the loop, ``lockstep`` or ``realtime``.
 """
 
 import os
@@ -26,7 +27,7 @@ def spin_while_watched(executor: SingleThreadedExecutor, node: LiveNode) -> None
 
 def main(args: list[str] | None = None) -> None:
     """Run the node."""
-    program, number, output, *ros_arguments = sys.argv if args is None else args
+    program, number, output, mode, *ros_arguments = sys.argv if args is None else args
     # Before there are other threads, which inherit it.
     os.setpriority(os.PRIO_PROCESS, 0, max(os.getpriority(os.PRIO_PROCESS, 0), NICENESS))
     end = socket.socket(fileno=int(number))
@@ -34,7 +35,7 @@ def main(args: list[str] | None = None) -> None:
     try:
         sys.exit(
             run_node(
-                lambda: LiveNode(channel, Path(output)),
+                lambda: LiveNode(channel, Path(output), spares_loop=mode == "realtime"),
                 [program, *ros_arguments],
                 spin=spin_while_watched,
                 is_configured=False,

@@ -105,7 +105,7 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
             step.length - step.window / 3,
         )
     cycle, amplitude, frequency = (
-        _limit_cycle_of(find_oscillation(tail, sample_time), peak_to_peak, step.scale)
+        _limit_cycle_of(tail, sample_time, peak_to_peak, step.scale)
         if judged
         else (None, None, None)
     )
@@ -123,9 +123,13 @@ def summarize_step(step: ReferenceStep, telemetry: FloatArray, sample_time: floa
 
 
 def _limit_cycle_of(
-    oscillation: Oscillation, peak_to_peak: float, scale: float | None
+    tail: FloatArray, sample_time: float, peak_to_peak: float, scale: float | None
 ) -> tuple[bool, float | None, float | None]:
     """Return whether the end of a step is a limit cycle, its amplitude [m] and frequency [Hz]."""
+    # No oscillation is larger than all that moves: most steps of most loops are judged by this.
+    if scale is not None and peak_to_peak <= LIMIT_CYCLE_THRESHOLD * scale:
+        return False, None, None
+    oscillation = find_oscillation(tail, sample_time)
     if not has_limit_cycle(oscillation, peak_to_peak, scale):
         return False, None, None
     amplitude = 0.5 * oscillation_peak_to_peak(oscillation, peak_to_peak)

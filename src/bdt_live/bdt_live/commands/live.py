@@ -58,10 +58,12 @@ def _live(options: Namespace) -> int:
         arguments = (str(options.bag.absolute()),)
         settings = LiveSettings("bdt_live.bag_process", arguments, output)
     elif options.attach:
-        settings = LiveSettings("bdt_live.ros_process", ros, _output(options, "attached"))
+        output = _output(options, "attached")
+        # Whether a loop that runs already waits for anybody is not known.
+        settings = LiveSettings("bdt_live.ros_process", ("realtime", *ros), output)
     else:
         plan = live_plan(_plan(options, namespace))
-        settings = LiveSettings("bdt_live.ros_process", ros, plan.output, plan)
+        settings = LiveSettings("bdt_live.ros_process", (plan.mode, *ros), plan.output, plan)
     return run_live(settings, access)
 
 

@@ -43,6 +43,13 @@ LONGEST_LIFE = 8.0
 """Longest time from the start of the command to its kill [s]."""
 KERNEL_RUNS = 200
 """Runs of the kernel alone on each core."""
+QUIET_WORKERS = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.worker.memory.monitor-interval": "1s",
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "5s",
+}
+"""Settings with which Dask's workers do not look at themselves up to a hundred times a second."""
 ROUNDS = 4
 """How often all are measured in turn: the speed of a computer changes within minutes."""
 
@@ -176,7 +183,11 @@ def _dask_rate(study: Study, folder: Path, cores: int) -> tuple[float, float]:
     from bdt_study.engine.dask_cluster import DaskCluster  # noqa: PLC0415
 
     cluster = LocalCluster(
-        n_workers=cores, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+        n_workers=cores,
+        threads_per_worker=1,
+        host="127.0.0.1",
+        dashboard_address=None,
+        config=QUIET_WORKERS,
     )
     with cluster:
         return _rate(study, folder, DaskCluster(cluster.scheduler_address), cores)
