@@ -4,11 +4,16 @@ import numpy as np
 import pytest
 
 from bdt_twin.block_residual import BlockResidual, inliers, variance_inflation
+from bdt_twin.stretch import Stretch
+
+
+def stretch_of(position):
+    return Stretch(0, np.zeros(position.size), position)
 
 
 def test_means_are_those_of_the_blocks():
     positions, simulated = np.random.default_rng(0).normal(size=(2, 100))
-    residual = BlockResidual([positions[:40], positions[40:]], 5)
+    residual = BlockResidual([stretch_of(positions[:40]), stretch_of(positions[40:])], 5)
     found = residual.means([simulated[:40], simulated[40:]])
     assert found == pytest.approx((positions - simulated).reshape(-1, 5).mean(axis=1))
 
@@ -16,7 +21,7 @@ def test_means_are_those_of_the_blocks():
 def test_an_outlier_does_not_move_the_mean_of_its_block():
     position = np.random.default_rng(1).normal(size=500)
     position[107] = 1000.0
-    residual = BlockResidual([position], 25)
+    residual = BlockResidual([stretch_of(position)], 25)
     found = residual.means([np.zeros(500)])
     others = np.delete(position[100:125], 7)
     assert found[4] == pytest.approx(others.mean())
@@ -25,8 +30,29 @@ def test_an_outlier_does_not_move_the_mean_of_its_block():
 def test_outliers_may_be_nearly_half_of_a_block():
     position = np.random.default_rng(2).normal(size=500)
     position[101:125:2] += 1000.0 * np.arange(1, 13)
-    residual = BlockResidual([position], 25)
+    residual = BlockResidual([stretch_of(position)], 25)
     assert residual.means([np.zeros(500)])[4] == pytest.approx(position[100:125:2].mean())
+
+
+def test_readings_are_screened_one_by_one_where_their_means_are_simulated():
+    """A position that a simulation of means explains, read with noise and an outlier."""
+    times = np.arange(500.0)
+    motion = 1e-2 * times + 1e-6 * np.square(times)
+    readings = motion + np.random.default_rng(3).normal(size=500)
+    readings[107] = 1000.0
+    stretch = stretch_of(readings).averaged(5, 5)
+    simulated = motion.reshape(-1, 5).mean(axis=1)
+    found = BlockResidual([stretch], 5).means([simulated])
+    good = np.delete(np.arange(100, 125), 7)
+    assert found[4] == pytest.approx((readings - motion)[good].mean(), abs=1e-5)
+    assert found[5] == pytest.approx((readings - motion)[125:150].mean(), abs=1e-5)
+
+
+def test_another_simulation_is_compared_with_the_same_readings():
+    readings, first, second = np.random.default_rng(6).normal(size=(3, 100))
+    residual = BlockResidual([stretch_of(readings)], 5)
+    change = residual.means([first]) - residual.means([second])
+    assert change == pytest.approx((second - first).reshape(-1, 5).mean(axis=1))
 
 
 def test_normal_noise_has_no_outliers():

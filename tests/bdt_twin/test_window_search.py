@@ -145,19 +145,18 @@ def test_a_fit_that_is_wrong_after_its_patience_ends(closed_loop):
 
 
 def test_a_coarse_copy_is_the_same_mechanism(closed_loop):
-    """Positions of the copy are those of the window at the samples that it keeps."""
+    """Positions of the copy are those of the window in the middle of the samples it averages."""
     window = window_of(closed_loop(GROWING, rate=5000.0), 12503, 52503, 5000.0, 25)
     coarse = window.coarse(1000.0, 50.0)
     unknowns = unknowns_with(window, 10.0)
     fine, rough = window.simulate(unknowns)[0].position, coarse.simulate(unknowns)[0].position
-    assert coarse.stretches[0].first == 2501
     assert coarse.block == 20
     assert rough.size % 20 == 0
-    kept = fine[2::5][: rough.size]
-    assert coarse.stretches[0].position == pytest.approx(
-        window.stretches[0].position[2::5][: rough.size]
-    )
-    # Five samples share a voltage; contact is found a sample of the copy late at most.
+    middles = np.rint(5 * coarse.stretches[0].first - 12503 + 5 * np.arange(rough.size)).astype(int)
+    kept = fine[middles]
+    measured = window.stretches[0].position[middles]
+    assert coarse.stretches[0].position == pytest.approx(measured, abs=1e-6)
+    # Contact is found a sample of the copy late at most.
     assert np.abs(rough - kept).max() < 0.02 * np.ptp(kept)
 
 

@@ -5,6 +5,7 @@ then differ from one computer to the next, and a loop with backlash makes more o
 """
 
 import math
+from collections.abc import Callable
 from operator import add
 
 import numpy as np
@@ -12,6 +13,8 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 Rows = list[list[int]]
+Exponential = Callable[[FloatArray], FloatArray]
+"""A function that returns the exponential of a matrix of shape (n, n)."""
 
 BITS = 192
 """Binary places of the fixed-point numbers, beside those that squaring uses up."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_msgs_py.quantities import quantity, validate
-from bdt_plant.matrix_exponential import matrix_exponential
+from bdt_plant.matrix_exponential import Exponential, matrix_exponential
 
 SMALLEST_SIGNAL = 1e-30
 """A decaying current [A] or speed [rad/s] below this is zero: subnormal floats are slow."""
@@ -92,7 +92,9 @@ def motor_state_space(motor: MotorParameters) -> tuple[NDArray[np.float64], NDAr
 
 
 @lru_cache(maxsize=256)
-def discretize_motor(motor: MotorParameters, sample_time: float) -> DiscreteMotor:
+def discretize_motor(
+    motor: MotorParameters, sample_time: float, exponential: Exponential = matrix_exponential
+) -> DiscreteMotor:
     """Return the zero-order-hold equivalent of eq. 2, by a matrix exponential.
 
     Parameters
@@ -101,11 +103,13 @@ def discretize_motor(motor: MotorParameters, sample_time: float) -> DiscreteMoto
         Constants of the motor.
     sample_time : float
         Sample time [s].
+    exponential : callable
+        Returns the exponential of a matrix.
     """
     a, b = motor_state_space(motor)
     held = np.zeros((4, 4))
     held[:3, :3], held[:3, 3:] = a, b
-    one_sample = matrix_exponential(held * sample_time)
+    one_sample = exponential(held * sample_time)
     rows = [tuple(float(x) for x in one_sample[row, [0, 1, 3]]) for row in range(3)]
     return DiscreteMotor(*rows)  # type: ignore[arg-type]
 

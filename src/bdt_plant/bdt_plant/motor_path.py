@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bdt_plant.matrix_exponential import matrix_exponential
+from bdt_plant.matrix_exponential import Exponential, matrix_exponential
 from bdt_plant.motor import MotorParameters, MotorState, motor_state_space
 from bdt_plant.structure import (
     StructureParameters,
@@ -29,7 +29,11 @@ class DiscreteContact(NamedTuple):
 
 
 def discretize_contact(
-    motor: MotorParameters, structure: StructureParameters, pitch: float, sample_time: float
+    motor: MotorParameters,
+    structure: StructureParameters,
+    pitch: float,
+    sample_time: float,
+    exponential: Exponential = matrix_exponential,
 ) -> DiscreteContact:
     """Return the exact response to the motor's path less the one to the straight line.
 
@@ -46,6 +50,8 @@ def discretize_contact(
         Pitch p of the lead screw [m/rad].
     sample_time : float
         Sample time [s].
+    exponential : callable
+        Returns the exponential of a matrix.
     """
     a_motor, b_motor = motor_state_space(motor)
     a_structure, b_structure = structure_state_space(structure)
@@ -55,9 +61,10 @@ def discretize_contact(
     joint[:4, 6] = pitch * b_structure[:, 0]
     joint[:4, 5] = pitch * b_structure[:, 1]
     joint[4:7, 4:7], joint[4:7, 7:] = a_motor, b_motor
-    response = matrix_exponential(joint * sample_time)[:, [4, 5, 7]]
+    response = exponential(joint * sample_time)[:, [4, 5, 7]]
     exact, angle = response[:4], response[6]
-    to_d_after = np.array([row[5] for row in discretize_structure(structure, sample_time)])
+    straight_line = discretize_structure(structure, sample_time, exponential)
+    to_d_after = np.array([row[5] for row in straight_line])
     straight = np.outer(to_d_after, pitch * angle)
     rows = (tuple(float(x) for x in row) for row in exact - straight)
     return DiscreteContact(*rows)  # type: ignore[arg-type]

@@ -11,6 +11,7 @@ from bdt_msgs_py.quantities import quantity, validate
 from bdt_plant.cogging import CoggingParameters
 from bdt_plant.friction import DiscreteFriction, discretize_friction, frictional_motor_step
 from bdt_plant.lead_screw import LeadScrewParameters, contact_side, play
+from bdt_plant.matrix_exponential import Exponential, matrix_exponential
 from bdt_plant.motor import (
     DiscreteMotor,
     MotorParameters,
@@ -138,13 +139,25 @@ AT_REST = PlantState(MotorState(0.0, 0.0, 0.0), 0.0, 0, StructureState(0.0, 0.0,
 """Everything at zero, the motor in the middle of the gap."""
 
 
-def discretize_plant(model: PlantModel, sample_time: float) -> DiscretePlant:
-    """Return the exact discrete model of the plant for `sample_time` [s]."""
+def discretize_plant(
+    model: PlantModel, sample_time: float, exponential: Exponential = matrix_exponential
+) -> DiscretePlant:
+    """Return the exact discrete model of the plant.
+
+    Parameters
+    ----------
+    model : PlantModel
+        Constants of the plant.
+    sample_time : float
+        Sample time [s].
+    exponential : callable
+        Returns the exponential of a matrix.
+    """
     motor, structure, pitch = model.motor, model.structure, model.lead_screw.pitch
     return DiscretePlant(
-        discretize_motor(motor, sample_time),
-        discretize_structure(structure, sample_time),
-        discretize_contact(motor, structure, pitch, sample_time),
+        discretize_motor(motor, sample_time, exponential),
+        discretize_structure(structure, sample_time, exponential),
+        discretize_contact(motor, structure, pitch, sample_time, exponential),
         pitch,
         discretize_friction(motor, sample_time),
     )

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_msgs_py.quantities import quantity, validate
-from bdt_plant.matrix_exponential import matrix_exponential
+from bdt_plant.matrix_exponential import Exponential, matrix_exponential
 
 Row = tuple[float, float, float, float, float, float]
 
@@ -76,7 +76,11 @@ def structure_state_space(
 
 # The contact asks for the same again, and so do fits that change the motor alone.
 @lru_cache(maxsize=256)
-def discretize_structure(structure: StructureParameters, sample_time: float) -> DiscreteStructure:
+def discretize_structure(
+    structure: StructureParameters,
+    sample_time: float,
+    exponential: Exponential = matrix_exponential,
+) -> DiscreteStructure:
     """Return the ramp-invariant equivalent: exact when d is linear in time over each sample.
 
     Parameters
@@ -85,13 +89,15 @@ def discretize_structure(structure: StructureParameters, sample_time: float) -> 
         Constants of the structure.
     sample_time : float
         Sample time [s].
+    exponential : callable
+        Returns the exponential of a matrix.
     """
     a, b = structure_state_space(structure)
     # The base's position and velocity join the state; its velocity is constant over the sample.
     augmented = np.zeros((6, 6))
     augmented[:4, :4], augmented[:4, 4:] = a, b
     augmented[4, 5] = 1.0
-    one_sample = matrix_exponential(augmented * sample_time)
+    one_sample = exponential(augmented * sample_time)
     from_position, from_velocity = one_sample[:4, 4], one_sample[:4, 5] / sample_time
     rows = np.column_stack([one_sample[:4, :4], from_position - from_velocity, from_velocity])
     return DiscreteStructure(*(tuple(float(x) for x in row) for row in rows))  # type: ignore[arg-type]

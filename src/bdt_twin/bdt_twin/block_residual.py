@@ -1,15 +1,14 @@
 """Residual of a fit as means over blocks of samples, without the samples that are outliers."""
 
 from collections.abc import Sequence
-from functools import cache
-from typing import Any
+from functools import reduce
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from bdt_plant.compilation import GIVEN, WRITTEN, compile_loop
 from bdt_twin.fixed_order import dot, mean, product
+from bdt_twin.stretch import Stretch
 
 FloatArray = NDArray[np.float64]
 
@@ -29,16 +28,15 @@ class BlockResidual:
 
     Parameters
     ----------
-    positions : sequence of ndarray, each of shape (n,)
-        Measured position q3 of each stretch [m].
+    stretches : sequence of Stretch
+        Measured positions.
     block : int
-        Samples in a block; divides each n.
+        Positions in a block; divides those of each stretch.
     """
 
-    def __init__(self, positions: Sequence[FloatArray], block: int) -> None:
-        self._positions = [np.ascontiguousarray(position) for position in positions]
-        self._block = block
-        self._good: list[FloatArray] | None = None
+    def __init__(self, stretches: Sequence[Stretch], block: int) -> None:
+        self._stretches, self._block = stretches, block
+        self._measured: FloatArray | None = None
 
     def means(self, simulated: Sequence[FloatArray]) -> FloatArray:
         """Return the means [m], shape (blocks,).
@@ -48,15 +46,30 @@ class BlockResidual:
         simulated : sequence of ndarray, each of shape (n,)
             Simulated position of each stretch [m].
         """
-        pairs = list(zip(self._positions, simulated, strict=True))
-        if self._good is None:
-            self._good = [
-                inliers((measured - model).reshape(-1, self._block)) for measured, model in pairs
-            ]
-        means = [np.empty(len(good)) for good in self._good]
-        for (measured, model), good, found in zip(pairs, self._good, means, strict=True):
-            compiled_means()(measured, model, good, found)
-        return np.concatenate(means)
+        means = np.concatenate([block_means(model, self._block) for model in simulated])
+        if self._measured is None:
+            pairs = zip(self._stretches, simulated, strict=True)
+            self._measured = means + np.concatenate([self._off(*pair) for pair in pairs])
+        residual: FloatArray = self._measured - means
+        return residual
+
+    def _off(self, stretch: Stretch, simulated: FloatArray) -> FloatArray:
+        """Return the means of the readings that are no outliers, less the simulation."""
+        readings = stretch.position if stretch.readings is None else stretch.readings
+        every = readings.size // simulated.size
+        if every > 1:
+            instants = every * np.arange(simulated.size) + 0.5 * (every - 1)
+            simulated = np.interp(np.arange(readings.size), instants, simulated)
+        off = (readings - simulated).reshape(-1, every * self._block)
+        good = inliers(off)
+        means: FloatArray = reduce(np.add, (off * good).T) / reduce(np.add, good.T)
+        return means
+
+
+def block_means(values: FloatArray, block: int) -> FloatArray:
+    """Return the mean of each block of values, the same on every processor, shape (blocks,)."""
+    means: FloatArray = reduce(np.add, values.reshape(-1, block).T) / block
+    return means
 
 
 def inliers(residual: FloatArray) -> FloatArray:
@@ -106,23 +119,3 @@ def variance_inflation(residual: FloatArray, rate: float) -> float:
         return 1.0
     weights = 1.0 - np.arange(1, longest + 1) / (longest + 1)
     return max(1.0, 1.0 + 2.0 * dot(weights, covariance[1:]) / float(covariance[0]))
-
-
-@cache
-def compiled_means() -> Any:
-    """Return the loop over the samples of :meth:`BlockResidual.means`, compiled."""
-    matrix = "Array(float64, 2, 'C', readonly=True)"
-    return compile_loop(_mean_residuals, f"void({GIVEN}, {GIVEN}, {matrix}, {WRITTEN})")
-
-
-def _mean_residuals(
-    measured: FloatArray, simulated: FloatArray, good: FloatArray, means: FloatArray
-) -> None:
-    samples = good.shape[1]
-    for block in range(means.size):
-        total, count = 0.0, 0.0
-        for sample in range(samples):
-            k = block * samples + sample
-            total += (measured[k] - simulated[k]) * good[block, sample]
-            count += good[block, sample]
-        means[block] = total / count

@@ -66,7 +66,7 @@ def cramer_rao_bound(window: WindowModel, unknowns: Unknowns, time: float, noise
     even = np.stack([np.ones(knots), window.knots - time])
     factors = jacobian[knots : knots + unknowns.factors.size]
     reduced = np.vstack([even @ jacobian[:knots], factors, jacobian[beginnings:]])
-    weights = np.full(jacobian.shape[1], window.block / noise**2)
+    weights = np.full(jacobian.shape[1], window.readings_per_block / noise**2)
     information = fisher_information(reduced, weights)
     scale = np.sqrt(np.diag(information))
     if scale[0] == 0.0:

@@ -1,7 +1,7 @@
 """The twin's model with factors on the constants that a fit corrects, discrete and remembered.
 
-A fit asks for a slightly different model at each of its steps, but making one discrete takes as
-long as simulating seconds of it. So models are made on a grid of factors, remembered, and
+A fit asks for slightly different models at each of its steps, but making one discrete takes several
+times as long as looking it up. So models are made on a grid of factors, remembered, and
 interpolated.
 """
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import exponential
 from bdt_plant.plant import DiscretePlant, PlantModel, discretize_plant
+from bdt_plant.quick_exponential import quick_exponential
 from bdt_plant.structure import DiscreteStructure, discretize_structure
 
 FloatArray = NDArray[np.float64]
@@ -154,7 +155,8 @@ def _plant_grid(model: PlantModel, sample_time: float) -> _Grid:
     """Return the grid of the discrete plant."""
 
     def numbers(point: Point) -> FloatArray:
-        step = discretize_plant(model_with(model, FACTOR_GRID * point), sample_time)
+        changed = model_with(model, FACTOR_GRID * point)
+        step = discretize_plant(changed, sample_time, quick_exponential)
         rows = [*step.motor, *step.structure, *step.contact]
         return np.array([number for row in rows for number in row], dtype=np.float64)
 
@@ -170,13 +172,14 @@ def _block_grid(model: PlantModel, sample_time: float, block: int) -> _Grid:
 def _block_numbers(model: PlantModel, point: Point, sample_time: float, block: int) -> FloatArray:
     """Return the numbers of the structure's model by blocks at a point of the grid."""
     structure = model_with(model, FACTOR_GRID * point).structure
-    one_sample = np.array([row[:4] for row in discretize_structure(structure, sample_time)])
+    sample = discretize_structure(structure, sample_time, quick_exponential)
+    one_sample = np.array([row[:4] for row in sample])
     power, total = np.eye(4), np.zeros((4, 4))
     for _ in range(block):
         total += power
         # In this order, which a library's product keeps on some processors only.
         power = reduce(np.add, [one_sample[:, k, None] * power[k] for k in range(4)])
-    step = discretize_structure(structure, block * sample_time)
+    step = discretize_structure(structure, block * sample_time, quick_exponential)
     return np.concatenate([(total / block).ravel(), np.array(step).ravel()])
 
 

@@ -37,7 +37,7 @@ class AcceptedFit:
     @property
     def reading_noise(self) -> float:
         """Standard deviation of the noise of a single reading [m], were it white."""
-        return self.fit.levels.reading * math.sqrt(self.window.block)
+        return self.fit.levels.reading * math.sqrt(self.window.readings_per_block)
 
 
 def last_fit_of(estimator: object) -> AcceptedFit | None:

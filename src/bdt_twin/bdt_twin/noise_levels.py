@@ -133,11 +133,11 @@ def quiet(levels: NoiseLevels) -> NoiseLevels:
 def mean_logarithm(values: FloatArray) -> float:
     """Return the mean of the logarithms of positive values."""
     # One logarithm of several values' product, which takes a fraction of the time.
-    middle = float(np.median(values))
+    largest = float(values.max())
     ratios = np.ones(-(-values.size // PRODUCT) * PRODUCT)
-    ratios[: values.size] = values / middle
+    ratios[: values.size] = values / largest
     products = np.multiply.reduce(ratios.reshape(PRODUCT, -1))
-    return float(logarithm(middle)) + total(logarithm(products)) / values.size
+    return float(logarithm(largest)) + total(logarithm(products)) / values.size
 
 
 def robust_deviation(values: FloatArray) -> float:

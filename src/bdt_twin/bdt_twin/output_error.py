@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from bdt_plant.elementary_functions import exponential
 from bdt_plant.plant import PlantModel
 from bdt_twin.answer_check import AnswerCheck
-from bdt_twin.block_residual import compiled_means
 from bdt_twin.cogging_search import compiled_waves
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
@@ -39,7 +38,6 @@ MISFIT = 0.02
 LOOPS = (
     compiled_window,
     compiled_structure,
-    compiled_means,
     compiled_gains,
     compiled_innovations,
     compiled_waves,
@@ -99,6 +97,7 @@ class OutputErrorEstimator:
         self._model, self._settings, self._rate = model, settings, sampling_rate
         self._period = settings.samples_per_update(sampling_rate)
         self._block = settings.samples_per_block(sampling_rate)
+        self._every = settings.samples_per_step(sampling_rate)
         self._recalled: tuple[MachineRecollection, float] | None = None
         self._window = TelemetryWindow(sampling_rate, round(settings.window * sampling_rate))
         # Whatever is not in numba's cache is compiled now, not when the first batch waits.
@@ -197,7 +196,9 @@ class OutputErrorEstimator:
             math.ceil((newest + 1) / rate / spacing) + 1,
         )
         knots: FloatArray = spacing * numbers.astype(np.float64)
-        window = WindowModel(self._model, stretches, knots, rate, self._block, self._machine.cogs)
+        every, block = self._every, self._block // self._every
+        averaged = [stretch.averaged(every, block) for stretch in stretches]
+        window = WindowModel(self._model, averaged, knots, rate / every, block, self._machine.cogs)
         change = chosen.growth_change
         return self._validate(*next_fit(window, self._predecessor, self._machine, change), newest)
 
@@ -208,8 +209,8 @@ class OutputErrorEstimator:
             self._check.unexplained()
             return self._hold_estimate(time, unexplained)
         # Telemetry may be stamped anywhere between two multiples of the sample time.
-        at = reversals[-1] / self._rate
-        stamp = time - (newest - reversals[-1]) / self._rate
+        at = reversals[-1]
+        stamp = time - (newest / self._rate - at)
         gap, uncertainty = gap_at(window, fit, at)
         growth, growth_uncertainty = growth_at(window, fit, at)
         unsure = self._check.doubt(

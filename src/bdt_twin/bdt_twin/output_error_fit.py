@@ -89,9 +89,8 @@ class WindowFit:
         self, window: WindowModel, growth_change: float, machine: MachineKnowledge
     ) -> None:
         self._window = window
-        positions = [stretch.position for stretch in window.stretches]
-        self._residual = BlockResidual(positions, window.block)
-        self._prior = prior_precision(window.knots, len(positions), machine)
+        self._residual = BlockResidual(window.stretches, window.block)
+        self._prior = prior_precision(window.knots, len(window.stretches), machine)
         self._expected = np.zeros(len(self._prior))
         self._expected[window.knots.size :][: machine.expected.size] = machine.expected
         count, spacing = window.knots.size, float(window.knots[1] - window.knots[0])
@@ -220,7 +219,7 @@ class WindowFit:
             levels, error = NoiseLevels(residual), residual
             whitening = point.whitening(levels)
         else:
-            levels, error = self._levels(point, levels, 1)
+            levels, error = self._levels(point, levels, MOST_LEVELS)
             whitening = point.whitening(levels, PUSHED)
         innovations = whitening.innovations
         jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))

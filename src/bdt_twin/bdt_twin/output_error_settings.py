@@ -27,6 +27,14 @@ class OutputErrorSettings:
         minimum=1.0,
         maximum=1e5,
     )
+    simulation_rate: float = quantity(
+        1000.0,
+        "Hz",
+        "lowest rate at which a window is simulated: of faster telemetry several samples share a "
+        "step, as many as divide a period of the residual rate",
+        minimum=1.0,
+        maximum=1e5,
+    )
     knot_spacing: float = quantity(
         1.0,
         "s",
@@ -91,3 +99,9 @@ class OutputErrorSettings:
     def samples_per_block(self, sampling_rate: float) -> int:
         """Return the number of samples over which the residual is averaged."""
         return max(round(sampling_rate / self.residual_rate), 1)
+
+    def samples_per_step(self, sampling_rate: float) -> int:
+        """Return the number of samples that share a step of the simulation; divides a block."""
+        block = self.samples_per_block(sampling_rate)
+        most = max(int(sampling_rate / self.simulation_rate + 1e-6), 1)
+        return max(number for number in range(1, min(most, block) + 1) if block % number == 0)

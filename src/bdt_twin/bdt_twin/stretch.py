@@ -17,39 +17,58 @@ class Stretch(NamedTuple):
 
     Attributes
     ----------
-    first : int
-        Number of the first sample: its time times the sampling rate.
+    first : float
+        Number of the first sample: its time times the sampling rate. That of a mean is the middle
+        of its samples, which need not be whole.
     voltage, position : ndarray, shape (n,)
         Motor voltage u [V] and position q3 [m]; n is a multiple of the samples in a block.
     before : ndarray, shape (m,)
         Motor voltage of the samples before the first one [V], as far as it is known.
+    readings : ndarray, shape (k n,), or None
+        What the sensor read where the positions are means of k readings each [m]; None where they
+        are the readings.
     """
 
-    first: int
+    first: float
     voltage: FloatArray
     position: FloatArray
     before: FloatArray = np.empty(0)
+    readings: FloatArray | None = None
 
-    def coarse(self, every: int, block: int) -> "Stretch":
-        """Return the stretch with one position of several, and the means of the voltages between.
+    def averaged(self, every: int, block: int) -> "Stretch":
+        """Return the means of several samples each.
+
+        A mean position is that in the middle of its samples, and the voltage is the mean over the
+        time from there to the next one's, so the motor turns as far. The middles are where most
+        changes of the voltage are, which leaves it constant in between. What is before the first
+        mean and after the last whole block is left out.
 
         Parameters
         ----------
         every : int
-            Samples of which one is kept: those whose numbers are multiples.
+            Samples of which a mean is taken.
         block : int
-            Samples in a block of what is returned.
+            Means in a block.
         """
-        skipped = -self.first % every
-        count = (self.voltage.size - skipped) // every // block * block
+        changes = np.flatnonzero(np.diff(self.voltage)) + 1 - (every - 1) // 2
+        skipped = int(np.bincount(changes % every, minlength=every).argmax())
+        count = (self.voltage.size - skipped) // (every * block) * block
         kept = slice(skipped, skipped + count * every)
-        before = np.concatenate([self.before, self.voltage[:skipped]])
-        before = before[before.size % every :]
+        held = np.concatenate([self.before, self.voltage, np.repeat(self.voltage[-1:], every)])
+        if every % 2 == 0:
+            # From the middle between two samples to that of the next two.
+            held = 0.5 * (held[:-1] + held[1:])
+        begin = self.before.size + skipped + (every - 1) // 2
+        lead = begin // every
+        means = _means(held[begin % every :][: (lead + count) * every], every)
+        measured = self.position if self.readings is None else self.readings
+        each = measured.size // self.position.size
         return Stretch(
-            (self.first + skipped) // every,
-            _means(self.voltage[kept], every),
-            self.position[kept][::every],
-            _means(before, every),
+            (self.first + skipped + 0.5 * (every - 1)) / every,
+            means[lead:],
+            _means(self.position[kept], every),
+            means[:lead],
+            measured[each * kept.start : each * kept.stop],
         )
 
 

@@ -77,8 +77,6 @@ class WindowModel:
     def coarse(self, lowest_rate: float, lowest_block_rate: float) -> "WindowModel":
         """Return the window with fewer samples and blocks, for a rough fit in little time.
 
-        Of several samples one position is kept, and the mean of the voltages until the next.
-
         Parameters
         ----------
         lowest_rate, lowest_block_rate : float
@@ -87,7 +85,9 @@ class WindowModel:
         every = max(int(self.sampling_rate / lowest_rate), 1)
         rate = self.sampling_rate / every
         block = max(int(rate / lowest_block_rate), round(rate / self.block_rate), 1)
-        stretches = [stretch.coarse(every, block) for stretch in self.stretches]
+        stretches = [
+            stretch.averaged(every, block)._replace(readings=None) for stretch in self.stretches
+        ]
         return WindowModel(self._model, stretches, self.knots, rate, block, self.cogs)
 
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
@@ -203,14 +203,25 @@ class WindowModel:
         return DeviationModel(step, 1.0 / self.block_rate, motions)
 
     @cached_property
+    def readings_per_block(self) -> int:
+        """Readings of the sensor in a block."""
+        stretch = self.stretches[0]
+        readings = stretch.position if stretch.readings is None else stretch.readings
+        return self.block * readings.size // stretch.position.size
+
+    @cached_property
     def motion(self) -> float:
         """Standard deviation of the measured position, in the stretch with the largest [m]."""
         return max(standard_deviation(stretch.position) for stretch in self.stretches)
 
-    def reversals(self, responses: list[StretchResponse]) -> list[int]:
-        """Return the numbers of the samples at which the screw began to move the other way."""
+    def reversals(self, responses: list[StretchResponse]) -> list[float]:
+        """Return the times at which the screw began to move the other way [s]."""
         pairs = zip(self.stretches, responses, strict=True)
-        return [stretch.first + sample for stretch, run in pairs for sample in run.reversals]
+        return [
+            (stretch.first + sample) / self.sampling_rate
+            for stretch, run in pairs
+            for sample in run.reversals
+        ]
 
     def travel_per_volt(self, unknowns: Unknowns) -> float:
         """Return the speed of the screw for a volt [m/(V s)]; the motor settles in milliseconds."""

@@ -60,7 +60,7 @@ def predicted_unknowns(window: WindowModel, last: Predecessor) -> Unknowns:
         return Unknowns(gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects)
     for beginning, stretch in zip(initial_conditions, window.stretches, strict=True):
         for number, (old, run) in enumerate(zip(before.stretches, fit.responses, strict=True)):
-            sample = stretch.first - old.first
+            sample = round(stretch.first - old.first)
             if 0 <= sample < run.relative_angle.size:
                 half = 0.5 * window.gap_at(gaps, stretch.first / window.sampling_rate)
                 beginning[:] = _state_at(before, fit.unknowns, number, run, sample, half)
@@ -111,5 +111,5 @@ def without_growth(window: WindowModel, last: Predecessor, predicted: Unknowns) 
         What :func:`predicted_unknowns` returns.
     """
     last_seen = last.window.reversals(last.fit.responses)[-1]
-    known = np.minimum(window.knots, last_seen / window.sampling_rate)
+    known = np.minimum(window.knots, last_seen)
     return replace(predicted, gaps=np.interp(known, window.knots, predicted.gaps))

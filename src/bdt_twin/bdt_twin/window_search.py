@@ -21,15 +21,15 @@ FIRST_GAPS = (8.0, 28.0, 2.0, 16.0)
 """Gaps from which a fit without a predecessor begins [deg]."""
 AGREED = 1.1
 """Ratio of the residuals below which two initial conditions have led to the same fit."""
-ROUGH, FINE = 5, 10
+ROUGH, FINE = 5, 12
 """Largest numbers of steps of a fit to choose a beginning by, and of one that counts."""
 PREDICTION_SIMULATIONS = 4
 """Simulations after which a prediction has to describe the data."""
-MOST_SAMPLES = 900_000
+MOST_SAMPLES = 240_000
 """Samples that a fit may simulate, which bounds the time that it takes."""
-FEWEST_SIMULATIONS = 9
+FEWEST_SIMULATIONS = 12
 """Simulations that a fit may make, however long the window is."""
-ROUGH_SIMULATIONS = 4
+ROUGH_SIMULATIONS = 6
 """Simulations of a fit to which the machine's noise is not known yet."""
 COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
 """Lowest rates at which a beginning is chosen [Hz]: motor and structure are hardly faster."""

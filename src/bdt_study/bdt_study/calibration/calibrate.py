@@ -141,8 +141,8 @@ def calibrate_recording(
         )
     reversals = found.window.reversals(found.fit.responses)
     last = data.stretches[-1]
-    end = last.first + last.voltage.size - 1
-    at = (reversals[-1] if reversals else end) / data.sampling_rate
+    end = (last.first + last.voltage.size - 1) / data.sampling_rate
+    at = reversals[-1] if reversals else end
     gap, gap_uncertainty = found.gap_at(at)
     return Calibration(
         start,
