@@ -1,5 +1,6 @@
 """`bdt evaluate` as a command: options, JSON, figure, and runs that are kept and gone on with."""
 
+import io
 import json
 import signal
 import subprocess
@@ -8,13 +9,16 @@ import time
 from importlib.util import find_spec
 
 import pytest
+from rich.console import Console
 
 from bdt_bringup.cli import run_command
 from bdt_msgs_py.command_errors import BAD_INPUT, INTERRUPTED
 from bdt_study.engine.in_this_process import InThisProcess
 from bdt_study.evaluation import evaluate
 from bdt_study.evaluation.outcome import CaseOutcome
-from bdt_study.evaluation.outcome_table import outcome_table
+from bdt_study.evaluation.outcome_table import outcome_tables
+from bdt_twin.decision_settings import KINDS as DECISIONS
+from bdt_twin.estimator_choice import KINDS
 
 DEADLINE = 120.0
 
@@ -138,13 +142,38 @@ def test_bad_input_is_one_line_and_exit_code_two(arguments, says, capsys):
     assert error.count("\n") == 1
 
 
-def test_what_is_unknown_is_a_dash_in_the_table():
-    told = ("clean", "x:Y", "equation_9")
+def printed(outcomes):
+    """Return what a terminal of 80 columns shows of outcomes, a list of words for each line."""
+    console = Console(width=80, file=io.StringIO())
+    console.print(*outcome_tables(outcomes))
+    return [line.split() for line in console.file.getvalue().splitlines()]
+
+
+def test_what_is_unknown_is_a_dash_in_the_tables():
     known = (100.0, 0.0, None, None, 50.0, 0.5, None, 0, None, 3)
-    row = CaseOutcome(*told, None, None, None, None, *known)
-    cells = [list(column.cells) for column in outcome_table([row]).columns]
-    numbers = [["-"]] * 4 + [["100"], ["-"], ["-"], ["50"], ["0.50"], ["-"], ["-"]]
-    assert cells == [[each] for each in told] + numbers
+    row = CaseOutcome("clean", "x:Y", "equation_9", None, None, None, None, *known)
+    lines = printed([row])
+    assert ["clean", "-", "-", "-", "-", "-"] in lines
+    assert ["clean", "100", "-", "-", "50", "0.50", "-"] in lines
+    assert lines.count(["x:Y"]) == lines.count(["equation_9"]) == 2
+
+
+def test_a_terminal_of_80_columns_shows_every_number_with_its_unit():
+    numbers = (632187.1, 702294.9, 99.6, 11.9, 100.0, 100.0, 100.0, 100.0, 100.0, 12.34, 12.3)
+    rows = [
+        CaseOutcome("stiffening_beams", estimator, decision, *numbers, 0, 1234.0, 16)
+        for decision in DECISIONS
+        for estimator in KINDS
+    ]
+    lines = printed(rows)
+    for words in (
+        ["stiffening_beams", "6.3e+05", "7e+05", "100", "11.9", "1234"],
+        ["stiffening_beams", "100", "100.0", "100", "100", "12.34", "12.3"],
+    ):
+        assert lines.count(words) == len(rows)
+    shown = [word for line in lines for word in line]
+    assert shown.count("[deg]") == 2
+    assert {"avoidable", "settling", "[%]", "[s]", "[ms]"} <= set(shown)
 
 
 def test_both_ways_to_decide_are_compared_on_the_same_scenarios(in_this_process, capsys):

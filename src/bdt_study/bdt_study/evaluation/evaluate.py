@@ -17,7 +17,7 @@ from bdt_study.engine.optional_packages import DATA_SETS, check_imports
 from bdt_study.evaluation.case import Case
 from bdt_study.evaluation.cases import CASES
 from bdt_study.evaluation.outcome import summarize_trials
-from bdt_study.evaluation.outcome_table import outcome_table
+from bdt_study.evaluation.outcome_table import outcome_tables
 from bdt_study.evaluation.trial_job import Evaluation, FinishedTrial, Twin
 from bdt_twin.decision_settings import KINDS as DECISIONS
 from bdt_twin.estimator_choice import KINDS, EstimatorChoice, create_estimator
@@ -99,7 +99,7 @@ def _tell(
     if options.json:
         print(json.dumps({"cases": [asdict(outcome) for outcome in outcomes]}, indent=2))
     else:
-        Console().print(outcome_table(outcomes))
+        Console().print(*outcome_tables(outcomes))
 
 
 def _evaluation(options: argparse.Namespace) -> Evaluation:

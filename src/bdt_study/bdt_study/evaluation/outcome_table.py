@@ -1,50 +1,76 @@
-"""The outcomes of an evaluation as a table for the terminal."""
+"""The outcomes of an evaluation as tables that a terminal of 80 columns holds."""
 
 from collections.abc import Sequence
+from itertools import groupby
+from typing import NamedTuple
 
+from rich.box import SIMPLE_HEAD
+from rich.markup import escape
 from rich.table import Table
 
 from bdt_study.evaluation.outcome import CaseOutcome
 
 
-def outcome_table(outcomes: Sequence[CaseOutcome]) -> Table:
-    """Return the outcomes as a table for the terminal."""
-    table = Table(title=f"gap estimates in closed loop, {outcomes[0].runs} random runs each")
+class _Column(NamedTuple):
+    """A number of the outcome: what stands above it, its field, and its format."""
+
+    header: str
+    field: str
+    form: str
+
+
+ESTIMATES = (
+    _Column("rms error\n[deg]", "rms_error_deg", ".2g"),
+    _Column("worst\n[deg]", "worst_error_deg", ".2g"),
+    _Column("95 %\ncovers [%]", "coverage_95", ".0f"),
+    _Column("x CRB", "crb_ratio", ".1f"),
+    _Column("window\n[ms]", "window_ms", ".0f"),
+)
+"""How good the estimates are."""
+LOOPS = (
+    _Column("no limit\ncycle [%]", "limit_cycle_free_percent", ".0f"),
+    _Column("avoidable\n[%]", "avoidable_steps_percent", ".1f"),
+    _Column("spared\n[%]", "spared_steps_percent", ".0f"),
+    _Column("bias <\n2 % [%]", "bias_under_2_percent", ".0f"),
+    _Column("bias\n[%]", "worst_bias_percent", ".2f"),
+    _Column("settling\n[s]", "settling_s", ".1f"),
+)
+"""What became of the loops."""
+
+
+def outcome_tables(outcomes: Sequence[CaseOutcome]) -> list[Table]:
+    """Return a table of the estimates and one of the loops, each by estimator and decision.
+
+    Parameters
+    ----------
+    outcomes : sequence of CaseOutcome
+        At least one.
+    """
+    runs = f"{outcomes[0].runs} random runs each"
+    return [
+        _table(f"gap estimates in closed loop, {runs}", ESTIMATES, outcomes),
+        _table(f"their loops, {runs}", LOOPS, outcomes),
+    ]
+
+
+def _table(title: str, columns: Sequence[_Column], outcomes: Sequence[CaseOutcome]) -> Table:
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("case", no_wrap=True)
-    table.add_column("estimator", no_wrap=True)
-    table.add_column("decision", no_wrap=True)
-    for name in (
-        "rms error [deg]",
-        "worst [deg]",
-        "95 % covers [%]",
-        "x CRB",
-        "no limit cycle [%]",
-        "avoidable [%]",
-        "spared [%]",
-        "bias < 2 % [%]",
-        "bias [%]",
-        "settling [s]",
-        "window [ms]",
-    ):
-        table.add_column(name, justify="right")
-    for row in outcomes:
-        table.add_row(
-            row.case,
-            row.estimator,
-            row.decision,
-            _text(row.rms_error_deg, ".2g"),
-            _text(row.worst_error_deg, ".2g"),
-            _text(row.coverage_95, ".0f"),
-            _text(row.crb_ratio, ".1f"),
-            _text(row.limit_cycle_free_percent, ".0f"),
-            _text(row.avoidable_steps_percent, ".1f"),
-            _text(row.spared_steps_percent, ".0f"),
-            _text(row.bias_under_2_percent, ".0f"),
-            _text(row.worst_bias_percent, ".2f"),
-            _text(row.settling_s, ".1f"),
-            _text(row.window_ms, ".0f"),
-        )
+    for column in columns:
+        table.add_column(escape(column.header), justify="right", no_wrap=True)
+    # Stable, so the cases of an estimator stay in their order.
+    ordered = sorted(outcomes, key=_twin)
+    for (estimator, decision), rows in groupby(ordered, key=_twin):
+        table.add_row(f"[bold]{escape(estimator)}[/bold]\n{escape(decision)}")
+        for row in rows:
+            numbers = (_text(getattr(row, each.field), each.form) for each in columns)
+            table.add_row(row.case, *numbers)
+        table.add_section()
     return table
+
+
+def _twin(outcome: CaseOutcome) -> tuple[str, str]:
+    return outcome.estimator, outcome.decision
 
 
 def _text(value: float | None, form: str) -> str:
