@@ -9,9 +9,11 @@ from machine_noise import LEVELS, random_motion, simulated, whitening
 
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.noise_levels import (
+    EXPLAINED,
     QUIETER,
     fitted_levels,
     is_restless,
+    is_walking,
     mean_logarithm,
     quiet,
     robust_deviation,
@@ -122,3 +124,11 @@ def test_a_motor_that_is_made_quiet_walks_less_or_not_at_all():
     assert made.slow == 0.0
     assert made._replace(fast=levels.fast, slow=levels.slow) == levels
     assert not is_restless(NoiseLevels(1e-6, 1e-6, 1e-6, 1e-3))
+
+
+def test_a_walk_counts_if_it_is_more_than_noise_and_than_what_a_good_model_leaves_out():
+    motion = 5e-3
+    small, large = 0.9 * EXPLAINED * motion, 1.1 * EXPLAINED * motion
+    assert is_walking(NoiseLevels(1e-8, 0.0, large, 0.0), motion)
+    assert not is_walking(NoiseLevels(1e-8, small, small, 1.0), motion)
+    assert not is_walking(NoiseLevels(large, large, large, 0.0), motion)

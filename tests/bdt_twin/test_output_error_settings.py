@@ -30,18 +30,28 @@ def test_a_block_has_the_samples_of_a_period_of_the_residual(rate, block):
 
 
 @pytest.mark.parametrize(
-    ("rate", "samples"),
-    [(20_000.0, 20), (5000.0, 5), (2500.0, 2), (1999.0, 1), (1000.0, 1), (500.0, 1)],
+    ("rate", "samples", "walking"),
+    [
+        (20_000.0, 4, 20),
+        (10_000.0, 2, 10),
+        (5000.0, 1, 5),
+        (2500.0, 1, 2),
+        (1999.0, 1, 1),
+        (500.0, 1, 1),
+    ],
 )
-def test_a_step_of_the_simulation_is_a_part_of_a_block_and_a_millisecond_at_most(rate, samples):
+def test_a_step_of_the_simulation_is_a_part_of_a_block(rate, samples, walking):
     settings = OutputErrorSettings()
-    assert settings.samples_per_step(rate) == samples
+    assert settings.samples_per_step(rate, walks=False) == samples
+    assert settings.samples_per_step(rate, walks=True) == walking
     assert settings.samples_per_block(rate) % samples == 0
+    assert settings.samples_per_block(rate) % walking == 0
     assert rate / samples >= min(rate, settings.simulation_rate)
+    assert rate / walking >= min(rate, settings.simulation_rate / 5.0)
 
 
 def test_every_sample_has_a_step_if_that_is_wanted():
-    assert OutputErrorSettings(simulation_rate=1e5).samples_per_step(20_000.0) == 1
+    assert OutputErrorSettings(simulation_rate=1e5).samples_per_step(20_000.0, walks=True) == 1
 
 
 def test_a_residual_rate_that_leaves_a_stretch_without_a_period_is_refused():

@@ -31,6 +31,8 @@ SMALLEST_NOISE = 1e-9
 """Standard deviation of a block's mean below which nothing is taken for noise [m]."""
 FROM_MAD = 1.4826
 """Standard deviation of normal noise over its median absolute deviation."""
+EXPLAINED = 2e-5
+"""Share of the position's motion below which it does not matter what a model leaves out."""
 HUBER = 3.0
 """Standard deviations beyond which an innovation counts linearly."""
 
@@ -119,6 +121,19 @@ def is_restless(levels: NoiseLevels, ratio: float = RESTLESS) -> bool:
         Walk of the motor in a second, over the noise of a reading, that is not much.
     """
     return max(levels.fast, levels.slow) > ratio * levels.reading
+
+
+def is_walking(levels: NoiseLevels, motion: float) -> bool:
+    """Tell whether the motor's walk hides what a model leaves out that is nearly exact.
+
+    Parameters
+    ----------
+    levels : NoiseLevels
+        Levels of noise.
+    motion : float
+        Standard deviation of the position [m].
+    """
+    return is_restless(levels) and max(levels.fast, levels.slow) > EXPLAINED * motion
 
 
 def quiet(levels: NoiseLevels) -> NoiseLevels:

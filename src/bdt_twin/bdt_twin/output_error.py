@@ -23,6 +23,7 @@ from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
 from bdt_twin.machine_memory import MachineMemory, MachineRecollection
 from bdt_twin.model_factors import FACTORS, check_room
 from bdt_twin.next_fit import AcceptedFit, next_fit
+from bdt_twin.noise_levels import is_walking
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.sensor_saturation import motor_travel_in_saturation
 from bdt_twin.telemetry_window import TelemetryWindow
@@ -97,7 +98,6 @@ class OutputErrorEstimator:
         self._model, self._settings, self._rate = model, settings, sampling_rate
         self._period = settings.samples_per_update(sampling_rate)
         self._block = settings.samples_per_block(sampling_rate)
-        self._every = settings.samples_per_step(sampling_rate)
         self._recalled: tuple[MachineRecollection, float] | None = None
         self._window = TelemetryWindow(sampling_rate, round(settings.window * sampling_rate))
         # Whatever is not in numba's cache is compiled now, not when the first batch waits.
@@ -123,6 +123,7 @@ class OutputErrorEstimator:
 
     def _forget_fits(self) -> None:
         self.last_fit: AcceptedFit | None = None
+        self._walks = False
         self._predecessor: Predecessor | None = None
         self._check, self._held = AnswerCheck(self._settings.largest_uncertainty), 0
         self._machine = MachineMemory(self._model.motor)
@@ -196,7 +197,8 @@ class OutputErrorEstimator:
             math.ceil((newest + 1) / rate / spacing) + 1,
         )
         knots: FloatArray = spacing * numbers.astype(np.float64)
-        every, block = self._every, self._block // self._every
+        every = chosen.samples_per_step(rate, walks=self._walks)
+        block = self._block // every
         averaged = [stretch.averaged(every, block) for stretch in stretches]
         window = WindowModel(self._model, averaged, knots, rate / every, block, self._machine.cogs)
         change = chosen.growth_change
@@ -205,6 +207,7 @@ class OutputErrorEstimator:
     def _validate(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
         """Return what a fit teaches, or the last estimate with the reason why it does not."""
         time, reversals = self._window.time(newest), window.reversals(fit.responses)
+        self._walks = is_walking(fit.levels, window.motion)
         if unexplained := self._unexplained(fit, len(reversals)):
             self._check.unexplained()
             return self._hold_estimate(time, unexplained)

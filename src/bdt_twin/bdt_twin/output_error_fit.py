@@ -23,6 +23,7 @@ from bdt_twin.noise_levels import (
     SMALLEST_NOISE,
     FittedLevels,
     fitted_levels,
+    is_walking,
     robust_deviation,
 )
 from bdt_twin.unknowns import Unknowns
@@ -219,7 +220,9 @@ class WindowFit:
             levels, error = NoiseLevels(residual), residual
             whitening = point.whitening(levels)
         else:
-            levels, error = self._levels(point, levels, MOST_LEVELS)
+            # A walk that the search had no time for makes a wrong answer sure.
+            walks = is_walking(levels, self._window.motion)
+            levels, error = self._levels(point, levels, MOST_LEVELS if walks else 1)
             whitening = point.whitening(levels, PUSHED)
         innovations = whitening.innovations
         jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))

@@ -6,6 +6,8 @@ import numpy as np
 
 from bdt_msgs_py.quantities import quantity, validate
 
+WALKING_STEPS = 5.0
+"""Factor by which the steps of a simulation may be longer where a walk of the motor hides it."""
 FEWEST_PERIODS = 2
 """Periods of the residual rate that the shortest stretch must hold to be compared at all."""
 
@@ -28,10 +30,10 @@ class OutputErrorSettings:
         maximum=1e5,
     )
     simulation_rate: float = quantity(
-        1000.0,
+        5000.0,
         "Hz",
-        "lowest rate at which a window is simulated: of faster telemetry several samples share a "
-        "step, as many as divide a period of the residual rate",
+        "lowest rate at which a window is simulated, or a fifth of it where the motor walks: of "
+        "faster telemetry several samples share a step, as many as divide a residual's period",
         minimum=1.0,
         maximum=1e5,
     )
@@ -100,8 +102,17 @@ class OutputErrorSettings:
         """Return the number of samples over which the residual is averaged."""
         return max(round(sampling_rate / self.residual_rate), 1)
 
-    def samples_per_step(self, sampling_rate: float) -> int:
-        """Return the number of samples that share a step of the simulation; divides a block."""
+    def samples_per_step(self, sampling_rate: float, *, walks: bool) -> int:
+        """Return the number of samples that share a step of the simulation; divides a block.
+
+        Parameters
+        ----------
+        sampling_rate : float
+            Sampling rate of the telemetry [Hz].
+        walks : bool
+            Whether the motor walks, which hides a little that longer steps leave out.
+        """
         block = self.samples_per_block(sampling_rate)
-        most = max(int(sampling_rate / self.simulation_rate + 1e-6), 1)
+        lowest = self.simulation_rate / WALKING_STEPS if walks else self.simulation_rate
+        most = max(int(sampling_rate / lowest + 1e-6), 1)
         return max(number for number in range(1, min(most, block) + 1) if block % number == 0)

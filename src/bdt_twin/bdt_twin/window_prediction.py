@@ -59,10 +59,12 @@ def predicted_unknowns(window: WindowModel, last: Predecessor) -> Unknowns:
     if is_restless(fit.levels):
         return Unknowns(gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects)
     for beginning, stretch in zip(initial_conditions, window.stretches, strict=True):
+        begins = stretch.first / window.sampling_rate
         for number, (old, run) in enumerate(zip(before.stretches, fit.responses, strict=True)):
-            sample = round(stretch.first - old.first)
+            # A window before may have been simulated at another rate.
+            sample = round(begins * before.sampling_rate - old.first)
             if 0 <= sample < run.relative_angle.size:
-                half = 0.5 * window.gap_at(gaps, stretch.first / window.sampling_rate)
+                half = 0.5 * window.gap_at(gaps, begins)
                 beginning[:] = _state_at(before, fit.unknowns, number, run, sample, half)
                 # By what the machine has wandered from its simulation in the meantime.
                 seen = slice(sample, sample + before.block)

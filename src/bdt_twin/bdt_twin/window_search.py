@@ -10,7 +10,7 @@ from bdt_twin.fit_result import Fit
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.noise_levels import is_restless, quiet
+from bdt_twin.noise_levels import EXPLAINED, is_restless, quiet
 from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_model import WindowModel
@@ -27,7 +27,7 @@ PREDICTION_SIMULATIONS = 4
 """Simulations after which a prediction has to describe the data."""
 MOST_SAMPLES = 240_000
 """Samples that a fit may simulate, which bounds the time that it takes."""
-FEWEST_SIMULATIONS = 12
+FEWEST_SIMULATIONS = 9
 """Simulations that a fit may make, however long the window is."""
 ROUGH_SIMULATIONS = 6
 """Simulations of a fit to which the machine's noise is not known yet."""
@@ -37,8 +37,6 @@ WORSE = 2.0
 """Growth of the residual from window to window that makes the fit begin anew."""
 QUIETER_ERROR = 1.1
 """Growth of the prediction error for which a motor that rested is thought to walk again."""
-EXPLAINED = 2e-5
-"""Share of the position's motion in a prediction error that is small enough."""
 
 
 def initial_conditions_at_rest(window: WindowModel) -> FloatArray:
@@ -104,11 +102,11 @@ def fit_window(
         walking = problem.solve(predicted, FINE, ROUGH_SIMULATIONS, levels=levels)
         followed = min(followed, walking, key=lambda each: each.prediction_error)
     if otherwise is not None and leaves_newest_unexplained(window, followed):
-        other = problem.solve(otherwise, FINE, FEWEST_SIMULATIONS, levels=first)
+        other = problem.solve(otherwise, FINE, simulations, levels=first)
         followed = min(followed, other, key=lambda each: each.prediction_error)
     if followed.prediction_error <= enough:
         return followed
-    fit = _from_many(problem, window, growth_change, machine, FEWEST_SIMULATIONS)
+    fit = _from_many(problem, window, growth_change, machine, simulations)
     return min(followed, fit, key=lambda each: each.prediction_error)
 
 
