@@ -33,7 +33,7 @@ from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel, Sampling
-from bdt_plant.plant_node import PlantNode
+from bdt_plant.plant_node import PATIENCE, PlantNode
 from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.sensor import SensorParameters
 
@@ -257,6 +257,11 @@ def test_the_plant_owns_the_clock(ros):
 
 def bench_with_followers(ros, followers, timeout):
     """Return a bench whose followers wait for the first telemetry, after the first command."""
+    for number in range(1, len(followers)):
+        # The plant begins once there is a listener for each of them.
+        ros.create(Node, f"listener_{number}").create_subscription(
+            Float64MultiArray, TELEMETRY.name, lambda _: None, qos_profile(TELEMETRY)
+        )
     bench = Bench(
         ros,
         lockstep_followers=followers,
@@ -274,10 +279,6 @@ def bench_with_followers(ros, followers, timeout):
 @pytest.mark.parametrize("silent", ["twin", "recorder"])
 def test_the_follower_that_is_silent_is_named_whatever_the_other_one_says(ros, silent):
     (other,) = {"twin", "recorder"} - {silent}
-    listener = ros.create(Node, "listener")
-    listener.create_subscription(
-        Float64MultiArray, TELEMETRY.name, lambda _: None, qos_profile(TELEMETRY)
-    )
     bench = bench_with_followers(ros, ["twin", "recorder"], 1.0)
     alive = bench.node.create_timer(
         0.05, lambda: bench.progress.publish(progress(other, 1_800_000, None))
@@ -311,6 +312,41 @@ def test_a_follower_that_is_slow_and_comes_on_is_awaited(ros):
     slow.cancel()
     assert len(said) >= 18, "it took longer than the timeout"
     assert not bench.plant.finished.done()
+
+
+def test_a_follower_that_has_not_got_the_newest_telemetry_gets_it_again(ros):
+    bench = bench_with_followers(ros, ["twin", "recorder"], 2.0)
+    began = time.monotonic()
+    ros.spin_until(lambda: bench.telemetry)
+    # A recorder that has it all is no reason, a twin that has not is one.
+    bench.progress.publish(progress("recorder", 1_800_000, None))
+    ros.spin_until(lambda: len(bench.telemetry) == 3)
+    assert time.monotonic() - began >= 2.0 * 2.0 * PATIENCE - 0.1
+    assert (bench.telemetry[1] == bench.telemetry[0]).all()
+    assert len(bench.truth) == 1
+    assert bench.health["resent_batches"] == 2
+    bench.progress.publish(progress("twin", 1_800_000, None))
+    ros.spin_until(lambda: bench.measurements[-1][0] == PERIOD)
+    ros.spin_for(2.0 * PATIENCE + 0.2)
+    assert len(bench.telemetry) == 3
+
+
+def test_the_last_telemetry_of_a_run_is_sent_again_too(ros):
+    bench = Bench(
+        ros,
+        lockstep_followers=["friend"],
+        duration=0.004,
+        telemetry_period=0.004,
+        lockstep_timeout=1.0,
+        resend_period=0.05,
+    )
+    bench.progress.publish(progress("friend", 0, None))
+    ros.spin_until(lambda: bench.measurements)
+    bench.answer(0.0)
+    bench.command.publish(motor_voltage(PERIOD, 0.0))
+    ros.spin_until(lambda: len(bench.telemetry) == 2)
+    bench.progress.publish(progress("friend", round(bench.telemetry[-1][-1, 0] * 1e9), None))
+    ros.spin_until(bench.plant.finished.done)
 
 
 def test_progress_from_the_past_does_not_hold_the_plant(ros):

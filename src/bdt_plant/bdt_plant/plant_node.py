@@ -35,6 +35,8 @@ from bdt_plant.plant_publishers import PlantPublishers
 from bdt_plant.plant_reconfiguration import PlantConfiguration, PlantReconfiguration
 from bdt_plant.plant_simulator import PlantSimulator
 
+PATIENCE = 0.2
+"""Share of the timeout of lockstep after which telemetry is sent again to who does not come on."""
 LONG_RUN = 10.0
 """Simulated time [s] from which loading the compiled plant takes less time than it saves."""
 
@@ -225,6 +227,11 @@ class PlantNode(Node):
         if self._waiting_for_command:
             self._resent += self._control_step > 0
             self._publish_measurement()
+        # Who does not come on takes long over the newest telemetry, or has not got it.
+        patience = PATIENCE * self._settings.lockstep_timeout
+        behind = set(blocking).intersection(self._followers.lagging())
+        if self._followers.stuck(behind, now - patience):
+            self._outputs.repeat_telemetry(patience)
 
     def _give_up(self, silence: float, awaited: str) -> None:
         self.finished.set_exception(
@@ -276,6 +283,7 @@ class PlantNode(Node):
             "control_steps": self._control_step,
             "steps_without_fresh_command": self._stale_steps,
             "resent_measurements": self._resent,
+            "resent_batches": self._outputs.repeated_batches,
             "limited_steps": drive.limited_steps,
             "stopped_steps": drive.stopped_steps,
             "saturated_steps": self._simulator.saturated_steps,

@@ -1,5 +1,7 @@
 """What the plant publishes: measurements, the clock, telemetry and truth in batches."""
 
+import math
+import time
 from typing import Any
 
 import numpy as np
@@ -34,6 +36,8 @@ class PlantPublishers:
     ----------
     clock, telemetry : rclpy.publisher.Publisher
         Publishers of the clock and of telemetry, for those who ask who else is on their topics.
+    repeated_batches : int
+        How often telemetry was published once more.
     """
 
     def __init__(self, node: Node) -> None:
@@ -44,6 +48,8 @@ class PlantPublishers:
         self.telemetry = publisher(Float64MultiArray, TELEMETRY)
         self._truth = publisher(Float64MultiArray, TRUTH)
         self.clock = publisher(Clock, CLOCK)
+        self._newest_batch, self._sent_at = Float64MultiArray(), math.inf
+        self.repeated_batches = 0
 
     def publish_measurement(self, stamp: int, position: float) -> None:
         """Publish the position of platform 3 [m] at the time `stamp` [ns]."""
@@ -63,5 +69,16 @@ class PlantPublishers:
         truth : list of tuple
             Rows of the columns ``TRUTH_COLUMNS``.
         """
-        self.telemetry.publish(sample_message(telemetry, TELEMETRY_COLUMNS))
+        self._newest_batch = sample_message(telemetry, TELEMETRY_COLUMNS)
+        self._send_newest_batch()
         self._truth.publish(sample_message(np.array(truth), TRUTH_COLUMNS))
+
+    def repeat_telemetry(self, after: float) -> None:
+        """Publish the newest telemetry once more if that was last done some time [s] ago."""
+        if time.monotonic() - self._sent_at >= after:
+            self.repeated_batches += 1
+            self._send_newest_batch()
+
+    def _send_newest_batch(self) -> None:
+        self._sent_at = time.monotonic()
+        self.telemetry.publish(self._newest_batch)
