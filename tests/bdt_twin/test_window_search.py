@@ -127,8 +127,9 @@ def test_the_work_of_a_window_is_limited(closed_loop, simulated, monkeypatch, wr
         BLOCK,
     )
     predicted = None if wrong is None else unknowns_with(window, wrong)
-    fit_window(spoiled, GROWTH_CHANGE, KNOWN, predicted, 1e-9, NoiseLevels(1e-9))
+    fit = fit_window(spoiled, GROWTH_CHANGE, KNOWN, predicted, 1e-9, NoiseLevels(1e-9))
     assert len(simulated[RATE]) <= fits * FEWEST_SIMULATIONS
+    assert fit.simulations == len(simulated[RATE])
     # All initial_conditions together are tried with fewer samples than a single fit has.
     assert sum(simulated[500]) < MOST_SAMPLES
 

@@ -37,7 +37,7 @@ class Fit:
         The step that the fit did not make, because it was at its end, or because no part of it
         made the fit better.
     simulations : int
-        Simulations made.
+        Simulations of the window made until there was this fit, by those that were left, too.
     whitening : Whitening
         The filter that makes innovations of the residual.
     evidence : ndarray, shape (effects,)

@@ -14,6 +14,8 @@ from bdt_twin.window_search import fit_window
 
 MOST_NEWCOMERS = 2
 """Effects that may join the unknowns in one window; each takes another fit."""
+MUCH_WORK = 1_000_000
+"""Simulated samples after which a second effect joins in the next window only."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +81,10 @@ def next_fit(
         error, levels = last.fit.prediction_error, last.fit.levels
     known = machine.before(begins)
     fit = fit_window(window, growth_change, known, predicted, error, levels, otherwise)
-    for _ in range(MOST_NEWCOMERS):
+    simulations = fit.simulations
+    for newcomers in range(MOST_NEWCOMERS):
+        if newcomers and simulations * window.samples > MUCH_WORK:
+            break
         levels = fit.levels
         if machine.has_evidence(fit.evidence, fit.machine):
             pass
@@ -92,4 +97,5 @@ def next_fit(
         # What explains more is found from here; the error may only become smaller.
         known = machine.before(begins)
         fit = fit_window(window, growth_change, known, fit.unknowns, math.inf, levels)
+        simulations += fit.simulations
     return window, fit

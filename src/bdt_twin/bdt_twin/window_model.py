@@ -203,6 +203,11 @@ class WindowModel:
         return DeviationModel(step, 1.0 / self.block_rate, motions)
 
     @cached_property
+    def samples(self) -> int:
+        """Samples of a simulation."""
+        return sum(stretch.voltage.size for stretch in self.stretches)
+
+    @cached_property
     def readings_per_block(self) -> int:
         """Readings of the sensor in a block."""
         stretch = self.stretches[0]

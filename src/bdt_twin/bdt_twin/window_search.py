@@ -1,6 +1,7 @@
 """Search for the best fit of a window: from a prediction, or from many gaps."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,8 +83,7 @@ def fit_window(
         the newest data unexplained.
     """
     problem = WindowFit(window, growth_change, machine)
-    samples = sum(stretch.voltage.size for stretch in window.stretches)
-    simulations = max(MOST_SAMPLES // samples, FEWEST_SIMULATIONS)
+    simulations = max(MOST_SAMPLES // window.samples, FEWEST_SIMULATIONS)
     if predicted is None:
         return _from_many(problem, window, growth_change, machine, simulations)
     enough = max(WORSE * error, EXPLAINED * window.motion)
@@ -100,14 +100,19 @@ def fit_window(
     )
     if may_rest and followed.prediction_error > QUIETER_ERROR * error:
         walking = problem.solve(predicted, FINE, ROUGH_SIMULATIONS, levels=levels)
-        followed = min(followed, walking, key=lambda each: each.prediction_error)
+        followed = _better(followed, walking)
     if otherwise is not None and leaves_newest_unexplained(window, followed):
         other = problem.solve(otherwise, FINE, simulations, levels=first)
-        followed = min(followed, other, key=lambda each: each.prediction_error)
+        followed = _better(followed, other)
     if followed.prediction_error <= enough:
         return followed
-    fit = _from_many(problem, window, growth_change, machine, simulations)
-    return min(followed, fit, key=lambda each: each.prediction_error)
+    return _better(followed, _from_many(problem, window, growth_change, machine, simulations))
+
+
+def _better(one: Fit, other: Fit) -> Fit:
+    """Return the fit that predicts better, with the work of both."""
+    better = min(one, other, key=lambda each: each.prediction_error)
+    return replace(better, simulations=one.simulations + other.simulations)
 
 
 def leaves_newest_unexplained(window: WindowModel, fit: Fit) -> bool:
@@ -127,7 +132,8 @@ def _from_many(
     beginning = _multi_start(window, growth_change, machine)
     near = problem.solve(beginning, ROUGH, ROUGH_SIMULATIONS)
     rest = simulations - near.simulations
-    return problem.solve(near.unknowns, FINE, rest, levels=near.levels)
+    fit = problem.solve(near.unknowns, FINE, rest, levels=near.levels)
+    return replace(fit, simulations=near.simulations + fit.simulations)
 
 
 def _multi_start(window: WindowModel, growth_change: float, machine: MachineKnowledge) -> Unknowns:
