@@ -57,6 +57,20 @@ def test_behind_a_hole_a_batch_is_held_back_until_the_next_one_continues_it(sequ
     )
 
 
+def test_behind_a_hole_a_batch_that_comes_again_is_the_newest_one_of_a_plant_that_waits(sequence):
+    assert sequence.admit(batch(10.2), 100.0) == Admitted([])
+    # At once it is the same message twice, which tells nothing.
+    assert sequence.admit(batch(10.2), 100.0 + 0.9 * SILENCE) == Admitted([])
+    assert begins(sequence.admit(batch(10.2), 100.0 + 1.1 * SILENCE)) == [10.2]
+    assert begins(sequence.admit(batch(10.3), 101.0)) == [10.3]
+
+
+@pytest.mark.parametrize("begin", [9.0, 12.0])
+def test_a_batch_from_elsewhere_stays_rejected_however_often_it_comes(sequence, begin):
+    for number in range(5):
+        is_rejected(sequence, batch(begin), 100.0 + number)
+
+
 def test_a_batch_that_is_held_back_is_a_stray_when_the_run_goes_on_before_it(sequence):
     sequence.admit(batch(10.5), 100.0)
     admitted = sequence.admit(batch(10.1), 100.0)

@@ -315,19 +315,19 @@ def test_a_follower_that_is_slow_and_comes_on_is_awaited(ros):
 
 
 def test_a_follower_that_has_not_got_the_newest_telemetry_gets_it_again(ros):
-    bench = bench_with_followers(ros, ["twin", "recorder"], 2.0)
+    bench = bench_with_followers(ros, ["twin", "recorder"], 10.0)
     began = time.monotonic()
     ros.spin_until(lambda: bench.telemetry)
     # A recorder that has it all is no reason, a twin that has not is one.
     bench.progress.publish(progress("recorder", 1_800_000, None))
     ros.spin_until(lambda: len(bench.telemetry) == 3)
-    assert time.monotonic() - began >= 2.0 * 2.0 * PATIENCE - 0.1
+    assert time.monotonic() - began >= 2.0 * PATIENCE - 0.1
     assert (bench.telemetry[1] == bench.telemetry[0]).all()
     assert len(bench.truth) == 1
     assert bench.health["resent_batches"] == 2
     bench.progress.publish(progress("twin", 1_800_000, None))
     ros.spin_until(lambda: bench.measurements[-1][0] == PERIOD)
-    ros.spin_for(2.0 * PATIENCE + 0.2)
+    ros.spin_for(PATIENCE + 0.2)
     assert len(bench.telemetry) == 3
 
 
@@ -337,7 +337,7 @@ def test_the_last_telemetry_of_a_run_is_sent_again_too(ros):
         lockstep_followers=["friend"],
         duration=0.004,
         telemetry_period=0.004,
-        lockstep_timeout=1.0,
+        lockstep_timeout=10.0,
         resend_period=0.05,
     )
     bench.progress.publish(progress("friend", 0, None))

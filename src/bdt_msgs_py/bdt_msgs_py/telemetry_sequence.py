@@ -48,8 +48,9 @@ class TelemetrySequence:
 
     A batch is admitted if it begins where the newest one ended. What begins elsewhere is held
     back until the next batch shows whether it was a stray: if that one continues it, and none in
-    sequence came for a while, both are admitted. A clock that was seen to go back speaks for the
-    first batch of another run.
+    sequence came for a while, both are admitted. So is one behind a hole that comes once more: a
+    plant in lockstep sends it again when it waits for somebody who has lost the one before. A
+    clock that was seen to go back speaks for the first batch of another run.
 
     Parameters
     ----------
@@ -62,6 +63,7 @@ class TelemetrySequence:
         self._end: float | None = None
         self._admitted_at = 0.0
         self._held: FloatArray | None = None
+        self._held_at = 0.0
         self._unusable: FloatArray | None = None
         self._held_quietly = False
         self._clock_went_back = False
@@ -115,8 +117,12 @@ class TelemetrySequence:
             return self._admit([rows], now, self._stray())
         if held is not None and is_silent and _is_after(float(held[-1, 0]), begin):
             return self._admit([held, rows], now)
+        if held is not None and is_hole and begin == float(held[0, 0]):
+            if is_silent and now - self._held_at >= SILENCE:
+                return self._admit([rows], now)
+            return Admitted([])
         stray = self._stray()
-        self._held, self._held_quietly = np.array(rows), is_hole
+        self._held, self._held_at, self._held_quietly = np.array(rows), now, is_hole
         if not is_hole:
             raise self._rejection(begin)
         return Admitted([], stray=stray)

@@ -35,8 +35,8 @@ from bdt_plant.plant_publishers import PlantPublishers
 from bdt_plant.plant_reconfiguration import PlantConfiguration, PlantReconfiguration
 from bdt_plant.plant_simulator import PlantSimulator
 
-PATIENCE = 0.2
-"""Share of the timeout of lockstep after which telemetry is sent again to who does not come on."""
+PATIENCE = 1.0
+"""Wall time [s] after which the newest telemetry is sent again to who does not come on."""
 LONG_RUN = 10.0
 """Simulated time [s] from which loading the compiled plant takes less time than it saves."""
 
@@ -228,10 +228,9 @@ class PlantNode(Node):
             self._resent += self._control_step > 0
             self._publish_measurement()
         # Who does not come on takes long over the newest telemetry, or has not got it.
-        patience = PATIENCE * self._settings.lockstep_timeout
         behind = set(blocking).intersection(self._followers.lagging())
-        if self._followers.stuck(behind, now - patience):
-            self._outputs.repeat_telemetry(patience)
+        if self._followers.stuck(behind, now - PATIENCE):
+            self._outputs.repeat_telemetry(PATIENCE)
 
     def _give_up(self, silence: float, awaited: str) -> None:
         self.finished.set_exception(
