@@ -52,6 +52,11 @@ def test_a_torn_bag_is_right_only_when_its_recorder_was_killed(torn_bag, said):
     assert wrong_with_bag(torn_bag, said, was_killed=True) == ""
 
 
+def test_of_a_recorder_that_was_killed_before_it_had_begun_there_is_no_bag(tmp_path, said):
+    assert wrong_with_bag(tmp_path / "none", said, was_killed=True) == ""
+    assert "does not exist" in wrong_with_bag(tmp_path / "none", said, was_killed=False)
+
+
 def test_a_message_that_was_said_in_between_is_missed(bag, said):
     order = list(said[MEASUREMENT.name])
     said[MEASUREMENT.name] = Counter([order[0], b"another one", *order[1:]])

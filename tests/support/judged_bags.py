@@ -7,8 +7,14 @@ from bdt_bags.bag_error import BagError
 from bdt_bags.reading.bag_reader import read_bag
 from bdt_bags.recovery.recover_bag import recover_bag
 
-NOTHING = ("holds no message", "holds no .mcap", "have no messages", "has no messages")
-"""How a bag is refused that a recorder had begun, and nothing more, when it was killed."""
+NOTHING = (
+    "does not exist",
+    "holds no message",
+    "holds no .mcap",
+    "have no messages",
+    "has no messages",
+)
+"""How a bag is refused that a recorder had not begun, or just begun, when it was killed."""
 
 
 def wrong_with_bag(folder: Path, said: dict[str, Counter[bytes]], *, was_killed: bool) -> str:
@@ -29,8 +35,8 @@ def wrong_with_bag(folder: Path, said: dict[str, Counter[bytes]], *, was_killed:
             folder = recover_bag(folder).output
         bag = read_bag(folder)
     except BagError as error:
-        begun_only = was_killed and any(text in str(error) for text in NOTHING)
-        return "" if begun_only else str(error)
+        is_nothing = was_killed and any(text in str(error) for text in NOTHING)
+        return "" if is_nothing else str(error)
     for topic, raw in bag.topics.items():
         if topic.name in said and (strange := Counter(raw.data) - said[topic.name]):
             return f"{folder.name}: {strange.total()} messages of {topic.name} nobody has said"
