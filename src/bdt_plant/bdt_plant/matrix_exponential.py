@@ -55,10 +55,7 @@ def matrix_exponential(matrix: FloatArray) -> FloatArray:
     twenty-five years later, SIAM Review 45 (2003), method 3.
     """
     rows = np.asarray(matrix, dtype=np.float64).tolist()
-    norm = max(math.fsum(map(abs, row)) for row in rows)
-    if not math.isfinite(norm):
-        raise OverflowError("the exponential of a matrix that is not finite")
-    squarings = max(math.frexp(norm)[1], 0)
+    squarings = squarings_below_one(rows)
     places = BITS + BITS_PER_SQUARING * squarings
     fraction = [[_fixed_point(element, places - squarings) for element in row] for row in rows]
     power = _taylor_series(fraction, places)
@@ -68,6 +65,20 @@ def matrix_exponential(matrix: FloatArray) -> FloatArray:
             raise OverflowError("the exponential of a matrix has elements too large for a float")
     # The quotient of two whole numbers is rounded correctly.
     return np.array([[element / (1 << places) for element in row] for row in power])
+
+
+def squarings_below_one(rows: list[list[float]]) -> int:
+    """Return how often a matrix has to be halved for its norm to be below one.
+
+    Raises
+    ------
+    OverflowError
+        If the matrix is not finite.
+    """
+    norm = max(math.fsum(map(abs, row)) for row in rows)
+    if not math.isfinite(norm):
+        raise OverflowError("the exponential of a matrix that is not finite")
+    return max(math.frexp(norm)[1], 0)
 
 
 def _taylor_series(matrix: Rows, places: int) -> Rows:

@@ -4,7 +4,6 @@ It is the same to the last bit on every computer, as the one in whole numbers is
 of its time, and is rounded at each of its steps.
 """
 
-import math
 from functools import cache
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.compilation import compile_loop
+from bdt_plant.matrix_exponential import squarings_below_one
 
 FloatArray = NDArray[np.float64]
 
@@ -43,10 +43,8 @@ def quick_exponential(matrix: FloatArray) -> FloatArray:
     C. Moler, C. Van Loan, Nineteen dubious ways to compute the exponential of a matrix,
     twenty-five years later, SIAM Review 45 (2003), method 3.
     """
-    norm = max(math.fsum(map(abs, row)) for row in matrix.tolist())
-    if not math.isfinite(norm):
-        raise OverflowError("the exponential of a matrix that is not finite")
-    squarings = max(math.frexp(norm)[1] + 1, 0)
+    # The series is cut short for a norm below a half: twice the matrix is below one.
+    squarings = squarings_below_one((2.0 * matrix).tolist())
     power = np.eye(len(matrix))
     compiled_powers()(np.ascontiguousarray(matrix) * 0.5**squarings, squarings, power)
     return power

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from bdt_twin.fixed_order import dot, mean, product
+from bdt_twin.fixed_order import block_means, dot, mean, product
 from bdt_twin.stretch import Stretch
 
 FloatArray = NDArray[np.float64]
@@ -64,12 +64,6 @@ class BlockResidual:
         good = inliers(off)
         means: FloatArray = reduce(np.add, (off * good).T) / reduce(np.add, good.T)
         return means
-
-
-def block_means(values: FloatArray, block: int) -> FloatArray:
-    """Return the mean of each block of values, the same on every processor, shape (blocks,)."""
-    means: FloatArray = reduce(np.add, values.reshape(-1, block).T) / block
-    return means
 
 
 def inliers(residual: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ which on a busy computer wait for each other most of the time.
 """
 
 import math
-from functools import cache
+from functools import cache, reduce
 from typing import Any
 
 import numpy as np
@@ -46,6 +46,12 @@ def standard_deviation(values: FloatArray) -> float:
     """Return the standard deviation of a vector of shape (n,)."""
     deviations = values - mean(values)
     return math.sqrt(dot(deviations, deviations) / values.size)
+
+
+def block_means(values: FloatArray, block: int) -> FloatArray:
+    """Return the mean of each block of values, shape (blocks,)."""
+    means: FloatArray = reduce(np.add, values.reshape(-1, block).T) / block
+    return means
 
 
 def weighted_products(rows: FloatArray, weights: FloatArray) -> FloatArray:

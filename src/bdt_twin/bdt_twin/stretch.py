@@ -1,10 +1,11 @@
 """Telemetry without a hole."""
 
-from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from bdt_twin.fixed_order import block_means
 
 FloatArray = NDArray[np.float64]
 
@@ -60,19 +61,13 @@ class Stretch(NamedTuple):
             held = 0.5 * (held[:-1] + held[1:])
         begin = self.before.size + skipped + (every - 1) // 2
         lead = begin // every
-        means = _means(held[begin % every :][: (lead + count) * every], every)
+        means = block_means(held[begin % every :][: (lead + count) * every], every)
         measured = self.position if self.readings is None else self.readings
         each = measured.size // self.position.size
         return Stretch(
             (self.first + skipped + 0.5 * (every - 1)) / every,
             means[lead:],
-            _means(self.position[kept], every),
+            block_means(self.position[kept], every),
             means[:lead],
             measured[each * kept.start : each * kept.stop],
         )
-
-
-def _means(values: FloatArray, every: int) -> FloatArray:
-    """Return the means of several values each."""
-    means: FloatArray = reduce(np.add, values.reshape(-1, every).T) / every
-    return means
