@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from fault_relay import garbled
 from fault_schedule import (
@@ -18,11 +19,12 @@ from fault_schedule import (
 )
 from hypothesis import given
 from hypothesis import strategies as st
-from lockstep_loop import LockstepLoop
+from lockstep_loop import LockstepLoop, loop_without_faults, undisturbed, verdict_on
 
 from bdt_msgs_py.message_checks import check_position, check_telemetry_times, check_telemetry_values
 from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.writing import platform_position
+from bdt_study.simulation.closed_loop import simulate
 
 SHORT = ("1.5 loss command 0.5 0.3; 2 hostile twin 0 1; 2.5 kill controller 0 1; 3 kill twin 0 1",)
 """What `make test` runs; `make soak` runs as many seeds as there is time for."""
@@ -35,6 +37,19 @@ def test_a_loop_is_back_to_what_it_is_without_faults_ten_seconds_after_the_last_
     verdict = LockstepLoop(schedule_from(line), claim_domain()).judge()
     replay = f'python tests/faults/soak.py --schedule "{line}"'
     assert verdict.outcome == "recovered", f"{verdict.reason}: {replay}"
+
+
+def test_a_loop_that_is_as_without_faults_is_back():
+    times, positions = undisturbed()
+    assert (
+        verdict_on(np.stack([times, 0.0 * times, positions], axis=1), 12.0).outcome == "recovered"
+    )
+
+
+def test_a_loop_whose_dead_zone_got_lost_is_not_back():
+    loop = simulate(loop_without_faults(), ("q3",))
+    rows = np.stack([loop.t, 0.0 * loop.t, loop.q3], axis=1)
+    assert verdict_on(rows, 12.0).outcome == "failed"
 
 
 @given(st.integers(0, 10**9))

@@ -9,7 +9,7 @@ from functools import partial
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
@@ -59,18 +59,19 @@ class FaultRelay(Node):
             publisher = self.create_publisher(kind, topic.name, publisher_profile(topic))
             self._ways[name] = partial(self._say, publisher, self.said[topic.name])
             self.create_subscription(
-                kind, source, lambda m, name=name: self._relay(name, m), qos_profile(topic)
+                kind, source, partial(self._relay, name), qos_profile(topic), raw=True
             )
         self.create_timer(0.01, self._send_late, clock=RosClock(clock_type=ClockType.STEADY_TIME))
 
     @staticmethod
     def _say(publisher, said, message):
-        said[bytes(serialize_message(message))] += 1
+        said[message] += 1
         publisher.publish(message)
 
     def _relay(self, name, message):
         if name == "measurement":
-            stamp = nanoseconds_from_stamp(message.header.stamp) * 1e-9
+            header = deserialize_message(message, JointState).header
+            stamp = nanoseconds_from_stamp(header.stamp) * 1e-9
             self.origin = stamp if self.origin is None else self.origin
             self.now = max(self.now, stamp - self.origin)
         send = self._ways[name]
@@ -97,12 +98,15 @@ class FaultRelay(Node):
             self._send_held(name)
             self._held[name] = time.monotonic() + DELAY, message
         elif kind == "nan":
-            send(garbled(name, message))
+            _, message_type, _ = CHANNELS[name]
+            spoiled = garbled(name, deserialize_message(message, message_type))
+            send(bytes(serialize_message(spoiled)))
             send(message)
         elif kind == "step":
             sign = self._draw.choice((-1, 1))
-            stamp = max(nanoseconds_from_stamp(message.clock) + sign * STEP, 0)
-            send(Clock(clock=stamp_from_nanoseconds(stamp)))
+            clock = deserialize_message(message, Clock).clock
+            stamp = max(nanoseconds_from_stamp(clock) + sign * STEP, 0)
+            send(bytes(serialize_message(Clock(clock=stamp_from_nanoseconds(stamp)))))
 
     def _send_late(self):
         while self._late and self._late[0][0] <= time.monotonic():

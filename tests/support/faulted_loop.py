@@ -1,11 +1,8 @@
 """A loop of real processes under a schedule of faults: what goes wrong with nodes and files."""
 
-import os
 import resource
 import shutil
 import signal
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -14,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import rclpy
 from fault_relay import CHANNELS, FaultRelay
+from forked_node import ForkedNode
 from judged_bags import lost_by_recorder, wrong_with_bag
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
@@ -90,7 +88,7 @@ class FaultedLoop:
     def __init__(self, nodes, schedule, domain):
         self._nodes, self._schedule = nodes, schedule
         self._folder = Path(tempfile.mkdtemp(prefix="faults-"))
-        self._environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
+        self._domain = domain
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain)
         self._executor = SingleThreadedExecutor(context=self._context)
@@ -156,11 +154,12 @@ class FaultedLoop:
         rules = [word for one in node.relayed for word in ("-r", f"{topic_of(one)}:=/sent/{one}")]
         parameters = (*node.parameters, *self._files_of(name))
         options = [word for one in parameters for word in ("-p", one)]
-        command = [sys.executable, "-m", node.module, "--ros-args", *rules, *options]
-        with (self._folder / f"{self._lives}-{name}.log").open("wb") as log:
-            self._running[name] = subprocess.Popen(
-                command, stdout=log, stderr=log, env=self._environment
-            )
+        self._running[name] = ForkedNode(
+            node.module,
+            ["--ros-args", *rules, *options],
+            self._folder / f"{self._lives}-{name}.log",
+            {"ROS_DOMAIN_ID": str(self._domain)},
+        )
 
     def _files_of(self, name):
         """Return the parameters that name the files of a node; each recorder has its own bag."""
