@@ -59,7 +59,7 @@ CASES = {"paper": ("paper", {}), "laboratory": ("laboratory", {}), "harsh": ("la
 DIGESTS = {
     "paper": "86982255de2973a01f084118fc8da64411f8282c6bf96c5512c1ee828a9d95f0",
     "laboratory": "1145e5bdc9016b205d97f6abd923b7b5854295f1b6c13f16f63bd60ece9dac6b",
-    "harsh": "4c8136d96b74c91a6bb62c1231b88f3054133fc8f75914298e75830154315a26",
+    "harsh": "183f31f276e5722fc8a39776c8813cc341667d55febcacdd972dd1a28f7ce2a6",
 }
 """SHA-256 of 30 simulated seconds: voltage, position, reading, dead zone and estimates."""
 

@@ -1,19 +1,23 @@
 """What a window begins with: the state that the last window's simulation had at that time."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from bdt_plant.plant import PlantModel
 from bdt_twin.machine_knowledge import first_knowledge
+from bdt_twin.noise_levels import NoiseLevels
 from bdt_twin.stretch import Stretch
+from bdt_twin.unknowns import INITIAL_CONDITION
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor, predicted_unknowns, without_growth
-from bdt_twin.window_search import fit_window
+from bdt_twin.window_search import fit_window, initial_conditions_at_rest
 
 RATE, BLOCK = 5000.0, 25
 GAP = math.radians(12.0)
+SHARE = INITIAL_CONDITION.index("share")
 
 
 def window_of(loop, begin, end, every):
@@ -49,6 +53,20 @@ def test_the_mechanism_is_where_it_was_whatever_the_rates_of_both_windows(last, 
     off = run.position - window.stretches[0].position
     assert np.abs(window.stretches[0].position).max() > 4e-3
     assert np.abs(off).max() < (2e-7 if before == every == 1 else 2e-5)
+
+
+def test_of_a_motor_that_walks_only_its_place_in_the_gap_is_predicted(last):
+    loop, predecessor = last(1)
+    # Within the reversal after a step, when the motor crosses the gap.
+    window = window_of(loop, 3.02, 12.0, 1)
+    told = predicted_unknowns(window, predecessor).initial_conditions
+    walks = NoiseLevels(reading=1e-7, slow=1e-5)
+    walking = predecessor._replace(fit=replace(predecessor.fit, levels=walks))
+    predicted = predicted_unknowns(window, walking).initial_conditions
+    rests = initial_conditions_at_rest(window)
+    assert told[0, SHARE] != rests[0, SHARE]
+    assert predicted[0, SHARE] == told[0, SHARE]
+    assert (np.delete(predicted, SHARE, axis=1) == np.delete(rests, SHARE, axis=1)).all()
 
 
 def test_gaps_grow_on_or_stay_as_they_were_at_the_last_reversal(last):

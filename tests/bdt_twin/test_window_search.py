@@ -112,6 +112,30 @@ def test_another_prediction_is_tried_where_the_first_leaves_the_newest_data_unex
     assert begun == [found.unknowns]
 
 
+def test_a_motor_that_walks_may_be_anywhere_in_its_gap(closed_loop, monkeypatch):
+    """A window begins with a guess of the last fit, which is not better than the middle."""
+    window = window_of(closed_loop(12.0), begin=3100)
+    found = fit_window(window, GROWTH_CHANGE, KNOWN)
+    initial_conditions = found.unknowns.initial_conditions.copy()
+    initial_conditions[:, 0] = -found.unknowns.initial_conditions[:, 0]
+    wrong = replace(found.unknowns, initial_conditions=initial_conditions)
+    shares = []
+    solve = WindowFit.solve
+
+    def solved(fit, first, *most, **how):
+        shares.append(float(first.initial_conditions[0, 0]))
+        return solve(fit, first, *most, **how)
+
+    monkeypatch.setattr(WindowFit, "solve", solved)
+    walks = NoiseLevels(reading=1e-9, slow=1e-5)
+    as_good, worse = 2.0 * found.prediction_error, 0.5 * found.prediction_error
+    fit_window(window, GROWTH_CHANGE, KNOWN, wrong, as_good, walks)
+    assert shares == [wrong.initial_conditions[0, 0]]
+    shares.clear()
+    fit_window(window, GROWTH_CHANGE, KNOWN, wrong, worse, walks)
+    assert shares == [*2 * [wrong.initial_conditions[0, 0]], 0.0]
+
+
 @pytest.mark.parametrize(("wrong", "fits"), [(None, 1), (60.0, 2)])
 def test_the_work_of_a_window_is_limited(closed_loop, simulated, monkeypatch, wrong, fits):
     """A position that no model explains makes every fit go on as long as it may."""

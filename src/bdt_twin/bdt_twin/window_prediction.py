@@ -41,7 +41,8 @@ def predicted_unknowns(window: WindowModel, last: Predecessor) -> Unknowns:
     """Return the unknowns with which the last fit would go on in a window.
 
     A stretch that begins within the data of the last window begins in the state that the
-    mechanism had there; another one is expected to begin at rest.
+    mechanism had there; another one is expected to begin at rest. Of a motor that walks the
+    simulation tells no more than where in the gap it is.
 
     Parameters
     ----------
@@ -56,8 +57,7 @@ def predicted_unknowns(window: WindowModel, last: Predecessor) -> Unknowns:
     gaps = np.interp(knots, before.knots, fit.unknowns.gaps) + last.growth * beyond
     gaps = np.maximum(gaps, 0.0)
     initial_conditions = initial_conditions_at_rest(window)
-    if is_restless(fit.levels):
-        return Unknowns(gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects)
+    walks = is_restless(fit.levels)
     for beginning, stretch in zip(initial_conditions, window.stretches, strict=True):
         begins = stretch.first / window.sampling_rate
         for number, (old, run) in enumerate(zip(before.stretches, fit.responses, strict=True)):
@@ -65,7 +65,11 @@ def predicted_unknowns(window: WindowModel, last: Predecessor) -> Unknowns:
             sample = round(begins * before.sampling_rate - old.first)
             if 0 <= sample < run.relative_angle.size:
                 half = 0.5 * window.gap_at(gaps, begins)
-                beginning[:] = _state_at(before, fit.unknowns, number, run, sample, half)
+                state = _state_at(before, fit.unknowns, number, run, sample, half)
+                if walks:
+                    beginning[0] = state[0]
+                    continue
+                beginning[:] = state
                 # By what the machine has wandered from its simulation in the meantime.
                 seen = slice(sample, sample + before.block)
                 beginning[1] += mean(old.position[seen] - run.position[seen])

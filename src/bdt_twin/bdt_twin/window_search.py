@@ -101,6 +101,11 @@ def fit_window(
     if may_rest and followed.prediction_error > QUIETER_ERROR * error:
         walking = problem.solve(predicted, FINE, ROUGH_SIMULATIONS, levels=levels)
         followed = _better(followed, walking)
+    if may_rest and followed.prediction_error > error:
+        # Where a motor that walks is in its gap was a guess already, and may be a wrong one.
+        begun = _in_the_middle_of_the_gap(predicted)
+        middle = problem.solve(begun, FINE, ROUGH_SIMULATIONS, levels=first)
+        followed = _better(followed, middle)
     if otherwise is not None and leaves_newest_unexplained(window, followed):
         other = problem.solve(otherwise, FINE, simulations, levels=first)
         followed = _better(followed, other)
@@ -113,6 +118,13 @@ def _better(one: Fit, other: Fit) -> Fit:
     """Return the fit that predicts better, with the work of both."""
     better = min(one, other, key=lambda each: each.prediction_error)
     return replace(better, simulations=one.simulations + other.simulations)
+
+
+def _in_the_middle_of_the_gap(unknowns: Unknowns) -> Unknowns:
+    """Return the unknowns for stretches that begin with the motor in the middle of the gap."""
+    initial_conditions = unknowns.initial_conditions.copy()
+    initial_conditions[:, INITIAL_CONDITION.index("share")] = 0.0
+    return replace(unknowns, initial_conditions=initial_conditions)
 
 
 def leaves_newest_unexplained(window: WindowModel, fit: Fit) -> bool:
