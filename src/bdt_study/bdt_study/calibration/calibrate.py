@@ -57,6 +57,17 @@ class Calibration:
     residual: Residual
     validation: Residual
 
+    @property
+    def unexplained(self) -> str:
+        """What the model does not explain, in words; "" where it explains the data."""
+        if self.found.explains:
+            return ""
+        rest, motion = self.found.fit.residual, self.found.window.motion
+        return (
+            f"the model does not explain {1e6 * rest:.3g} um of a motion of {1e6 * motion:.3g} um: "
+            "its constants mean nothing"
+        )
+
     def to_dictionary(self) -> dict[str, Any]:
         """Return the result for JSON."""
         return {
@@ -67,6 +78,7 @@ class Calibration:
             "gap_rad": self.gap,
             "gap_standard_uncertainty_rad": self.gap_uncertainty,
             "gap_time_s": self.gap_time,
+            "unexplained": self.unexplained,
         }
 
 

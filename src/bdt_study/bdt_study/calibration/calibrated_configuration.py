@@ -9,12 +9,14 @@ from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.parameter_files import PARAMETERS_KEY
 from bdt_msgs_py.parameter_tables import in_parameter_names, known_parameters, parameter_sets
 from bdt_msgs_py.topics import CONTROLLER_NODE, PLANT_NODE, TWIN_NODE
-from bdt_study.calibration.constant import Constant
+from bdt_study.calibration.constant import GAP, Constant
 from bdt_study.calibration.start_values import TABLES, Configuration
 from bdt_twin.dead_zone_tolerance import tolerance_for_gap
 
 COVERAGE = 2.0
 """Standard uncertainties that the controller's first dead zone adds to the gap."""
+STATIC_FRICTION = "motor.static_friction"
+"""What a machine has not in which it was not found, whatever the start values say."""
 DIGITS = 9
 """Digits of a value."""
 
@@ -32,7 +34,8 @@ def calibrated_configuration(
     """Return the parameters of all nodes with the machine that was found.
 
     The plant simulates it, the twin believes in it, and the controller begins with the dead zone
-    for its gap and takes the amplifier's offset back. Everything else is as before.
+    for its gap and takes the amplifier's offset back. Everything else is as before, also the gap
+    and the dead zone if the data do not tell the gap.
 
     Parameters
     ----------
@@ -53,17 +56,22 @@ def calibrated_configuration(
     for node in (CONTROLLER_NODE, TWIN_NODE):
         values[node].setdefault("use_sim_time", True)
     found = {name: each.value for name, each in constants.items()}
+    if not constants[GAP].determined:
+        del found[GAP]
     found["sensor.delay"] = max(found["sensor.delay"], 0.0)
     for node in (PLANT_NODE, TWIN_NODE):
         known = known_parameters(TABLES[node])
         values[node] |= {name: value for name, value in start.items() if name in known}
         values[node] |= {name: value for name, value in found.items() if name in known}
-    values[PLANT_NODE]["gap.kind"] = "constant"
-    gap = constants["gap.initial"]
-    bound = gap.value + COVERAGE * gap.standard_uncertainty
-    values[CONTROLLER_NODE]["dead_zone_tolerance"] = tolerance_for_gap(
-        bound, start["lead_screw.pitch"]
-    )
+    if STATIC_FRICTION not in found:
+        values[PLANT_NODE].pop(STATIC_FRICTION, None)
+    if GAP in found:
+        values[PLANT_NODE]["gap.kind"] = "constant"
+        gap = constants[GAP]
+        bound = gap.value + COVERAGE * gap.standard_uncertainty
+        values[CONTROLLER_NODE]["dead_zone_tolerance"] = tolerance_for_gap(
+            bound, start["lead_screw.pitch"]
+        )
     if constants["actuator.offset"].determined:
         values[CONTROLLER_NODE]["voltage_offset"] = -found["actuator.offset"]
     # The paper's estimator needs signals without noise.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_twin.forward_model import StretchResponse
-from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.unknowns import Unknowns
 from bdt_twin.window_model import WindowModel
@@ -51,16 +51,30 @@ class CalibrationWindow(WindowModel):
         before = self._block_means(responses)
         factors = unknowns.factors.copy()
         factors[FACTORS.index("gain")] += CHANGE
-        changed = {FACTORS.index("gain"): replace(unknowns, factors=factors)}
+        after = self._block_means(self.simulate(replace(unknowns, factors=factors)))
+        jacobian[knots + FACTORS.index("gain")] = (after - before) / CHANGE
         for name in ("friction_voltage", "voltage_offset"):
-            effects = unknowns.effects.copy()
-            effects[EFFECTS.index(name)] += CHANGE
             place = len(FACTORS) + EFFECTS.index(name)
-            changed[place] = replace(unknowns, effects=effects)
-        for place, each in changed.items():
-            after = self._block_means(self.simulate(each))
-            jacobian[knots + place] = (after - before) / CHANGE
+            jacobian[knots + place] = self._slope_by_voltage(unknowns, name)
         return jacobian
+
+    def _slope_by_voltage(self, unknowns: Unknowns, name: str) -> FloatArray:
+        """Return the slope of the block means by a voltage [m/V], from both sides.
+
+        As long as the motor moves one way only, friction and offset are one unknown. Where it stops
+        the position has a kink, and slopes from one side would tell them from each other.
+        """
+        place = EFFECTS.index(name)
+        value, smallest = float(unknowns.effects[place]), float(EFFECT_LIMITS[0, place])
+        below, above = max(value - CHANGE, smallest), value + CHANGE
+        sides = []
+        for changed in (below, above):
+            effects = unknowns.effects.copy()
+            effects[place] = changed
+            responses = self.simulate(replace(unknowns, effects=effects))
+            sides.append(self._block_means(responses))
+        less, more = sides
+        return (more - less) / (above - below)
 
     def _block_means(self, responses: list[StretchResponse]) -> FloatArray:
         means = [run.position.reshape(-1, self.block).mean(axis=1) for run in responses]

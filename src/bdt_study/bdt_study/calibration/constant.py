@@ -6,6 +6,8 @@ from dataclasses import dataclass
 VISCOUS_SHARE = 0.005
 """Share of the back EMF that viscous friction which nobody has looked for may seem to be."""
 
+GAP = "gap.initial"
+"""The gap by the name that it has as a parameter."""
 HELD = (
     "motor.torque_constant",
     "motor.resistance",

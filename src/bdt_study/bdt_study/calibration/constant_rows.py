@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from bdt_study.calibration.calibrate import Calibration
+from bdt_study.calibration.constant import GAP, Constant
 from bdt_study.calibration.start_values import model_values
 
 
@@ -56,7 +57,12 @@ def constant_rows(result: Calibration) -> list[ConstantRow]:
 def hints(result: Calibration) -> list[str]:
     """Return for each constant that the data do not tell what would tell it."""
     return [
-        f"{name}, keeps {each.value:.4g} {each.unit}; would be told by {each.revealed_by}"
+        f"{_kept(name, each)}; would be told by {each.revealed_by}"
         for name, each in result.constants.items()
         if not each.determined
     ]
+
+
+def _kept(name: str, constant: Constant) -> str:
+    """Return a constant that is not told, with what it is then: no gap is believed in before."""
+    return name if name == GAP else f"{name}, keeps {constant.value:.4g} {constant.unit}"

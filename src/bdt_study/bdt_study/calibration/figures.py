@@ -11,6 +11,7 @@ from bdt_analysis.figures.run_figures import COLUMNS
 from bdt_study.calibration.calibrate import Calibration
 from bdt_study.calibration.prior_knowledge import CALIBRATED_EFFECTS
 from bdt_study.calibration.validation import Residual
+from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
@@ -70,8 +71,10 @@ def spectrum_figure(result: Calibration) -> Figure:
 
 def correlation_table(result: Calibration) -> tuple[list[str], list[list[str]]]:
     """Return names, and the correlations of what was fitted as texts."""
-    fitted = (*FACTORS, *CALIBRATED_EFFECTS)
-    covariance = result.found.fit.machine.covariance[: len(fitted), : len(fitted)]
+    fitted = (*FACTORS, *CALIBRATED_EFFECTS, *result.found.joined)
+    all_names = (*FACTORS, *EFFECTS)
+    places = [all_names.index(name) for name in fitted]
+    covariance = result.found.fit.machine.covariance[np.ix_(places, places)]
     scale = 1.0 / np.sqrt(np.diag(covariance))
     correlations = covariance * np.outer(scale, scale)
     names = [name.replace("_", " ") for name in fitted]

@@ -28,10 +28,13 @@ LARGEST_UNCERTAINTY = {
     "voltage_offset": 0.01,
     "delay": 2.5e-4,
     "drift": 2e-7,
+    "excess_voltage": 0.05,
+    "stribeck_speed": 0.3,
+    "load_voltage": 1e-3,
     "gap": math.radians(1.0),
 }
 """Standard uncertainties above which data have not determined something: of logarithms of the
-factors, and of effects [V, V, s, m/s] and gap [rad]."""
+factors, and of effects [V, V, s, m/s, V, 1, V/N] and gap [rad]."""
 
 MOTION_OF = {
     "gain": "motion over some millimeters at constant speed",
@@ -41,9 +44,14 @@ MOTION_OF = {
     "voltage_offset": "slow motion forward and backward at the same speed",
     "delay": "quick reversals, before anything has come to rest",
     "drift": "a rest at the same place at the beginning and at the end",
+    "excess_voltage": "slow motion with rests, in which the motor sticks and breaks loose",
+    "stribeck_speed": "slow motion at several speeds",
+    "load_voltage": "steps that bend the structure while the motor drives it",
     "gap": "reversals of the motor, each beyond the gap",
 }
 """Motion that would tell what the data do not."""
+EXPLAINED_MOTION = "a motion of which the model leaves less, to and fro for some times"
+"""What would tell everything if the model does not explain the data."""
 
 
 class Finding:
@@ -59,41 +67,40 @@ class Finding:
     Attributes
     ----------
     values, deviations : dict of str to float
-        For each of ``FACTORS`` (as the factor itself) and ``CALIBRATED_EFFECTS`` its value and its
-        standard uncertainty, which is relative for a factor.
+        For each of ``FACTORS`` (as the factor itself), ``CALIBRATED_EFFECTS`` and effects that
+        joined its value and its standard uncertainty, which is relative for a factor.
     determined : dict of str to bool
         Whether the data have determined it.
     """
 
     def __init__(self, start: PlantModel, found: Identification) -> None:
         machine = found.fit.machine
-        names = (*FACTORS, *CALIBRATED_EFFECTS)
-        deviations = np.sqrt(np.diag(machine.covariance))[: len(names)].tolist()
-        friction = len(FACTORS) + EFFECTS.index("friction_voltage")
+        self._explains = found.explains
+        spreads = np.sqrt(np.diag(machine.covariance)).tolist()
+        names = (*FACTORS, *EFFECTS)
+        deviations = dict(zip(names, spreads, strict=True))
         doubt = _friction_doubt(found)
-        deviations[friction] = math.hypot(deviations[friction], doubt)
         # Friction that is off by a voltage makes all speeds off by its share of the voltage.
-        deviations[0] = math.hypot(deviations[0], doubt / _usual_voltage(found))
+        doubts = {"friction_voltage": doubt, "gain": doubt / _usual_voltage(found)}
+        excess = found.effect("excess_voltage")
+        if excess > 0.0:
+            doubts |= {"excess_voltage": doubt, "stribeck_speed": doubt / excess}
+        for name, size in doubts.items():
+            deviations[name] = math.hypot(deviations[name], size)
         gain = start.motor.back_emf_constant / found.found_model.motor.back_emf_constant
-        ratios = [structure_ratios(found.found_model), structure_ratios(start)]
-        factors = (
-            gain,
-            *(after / before for after, before in zip(*ratios, strict=True)),
+        ratios = zip(structure_ratios(found.found_model), structure_ratios(start), strict=True)
+        factors = (gain, *(after / before for after, before in ratios))
+        values = dict(
+            zip(names, (*factors, *machine.expected[len(FACTORS) :].tolist()), strict=True)
         )
-        values = [*factors, *machine.expected[len(FACTORS) : len(names)].tolist()]
-        starts = [1.0] * len(FACTORS) + [friction_voltage(start.motor), 0.0, 0.0, 0.0]
-        spreads = (*FACTOR_SPREAD, *EFFECT_SPREAD)
-        self.values, self.deviations = {}, {}
-        self.determined = {
-            name: deviation <= LARGEST_UNCERTAINTY[name]
-            for name, deviation in zip(names, deviations, strict=True)
-        }
-        for name, value, deviation, first, spread in zip(
-            names, values, deviations, starts, spreads, strict=True
-        ):
-            is_found = self.determined[name]
-            self.values[name] = value if is_found else first
-            self.deviations[name] = deviation if is_found else spread
+        starts = dict.fromkeys(FACTORS, 1.0) | {"friction_voltage": friction_voltage(start.motor)}
+        prior = dict(zip(names, (*FACTOR_SPREAD, *EFFECT_SPREAD), strict=False))
+        self.values, self.deviations, self.determined = {}, {}, {}
+        for name in (*FACTORS, *CALIBRATED_EFFECTS, *found.joined):
+            is_found = found.explains and deviations[name] <= LARGEST_UNCERTAINTY[name]
+            self.determined[name] = is_found
+            self.values[name] = values[name] if is_found else starts.get(name, 0.0)
+            self.deviations[name] = deviations[name] if is_found else prior[name]
 
     def constant(
         self,
@@ -117,6 +124,7 @@ class Finding:
             Constants for which it is stated, with the standard uncertainty that comes from each.
         """
         determined = self.determined[name]
+        revealed_by = MOTION_OF[name] if self._explains else EXPLAINED_MOTION
         return Constant(
             value,
             unit,
@@ -124,7 +132,7 @@ class Finding:
             determined,
             tuple(held for held, _ in doubts),
             deviation,
-            "" if determined else MOTION_OF[name],
+            "" if determined else revealed_by,
         )
 
 

@@ -7,11 +7,13 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bdt_plant.friction import friction_voltage
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_study.calibration.fitted_data import SETTINGS, Data
+from bdt_study.calibration.followed_windows import follow_windows
 from bdt_study.calibration.machine_search import fit_from_any_gap, search_beginning
 from bdt_study.calibration.prior_knowledge import (
     HELD_SPREAD,
@@ -19,23 +21,32 @@ from bdt_study.calibration.prior_knowledge import (
     wide_knowledge,
 )
 from bdt_study.calibration.segment_covariance import segment_covariance
+from bdt_study.calibration.whole_fit import (
+    FINE,
+    fit_machine_noise,
+    fit_reading_noise,
+    fit_whole,
+)
 from bdt_twin.fit_result import Fit
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS, model_with
+from bdt_twin.noise_levels import is_restless
 from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.unknowns import Unknowns
 from bdt_twin.window_search import initial_conditions_at_rest
+
+FloatArray = NDArray[np.float64]
 
 NO_GAP = math.radians(1.0)
 """Gap below which there may be none [rad]."""
 HIDDEN_WALK = 2.0
 """Walks of the motor in a second behind which a gap can hide."""
-ROUGH, FINE = 8, 12
-"""Largest numbers of steps of the fit to all samples, before and after noise is told apart."""
-MOST_REPEATS = 8
-"""Largest number of times that the fit before is begun anew, from where it ended."""
-SETTLED = 0.98
-"""Ratio of two residuals above which it has come to an end."""
+UNEXPLAINED = 0.01
+"""Share of the motion that a machine may leave."""
+FAR = 0.5
+"""Change of a factor's logarithm after which a fit begins again, about the model that it found."""
+MOST_BEGINNINGS = 3
+"""Largest number of such beginnings."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +61,14 @@ class Identification:
         Model and data.
     fit : Fit
         The fit.
+    joined : tuple of str
+        Those of ``JOINING_EFFECTS`` that the fit was looking for.
     """
 
     model: PlantModel
     window: CalibrationWindow
     fit: Fit
+    joined: tuple[str, ...] = ()
 
     def gap_at(self, time: float) -> tuple[float, float]:
         """Return the gap at a time [s] and its standard uncertainty [rad]."""
@@ -67,6 +81,11 @@ class Identification:
             hidden = HIDDEN_WALK * walk / self.model.lead_screw.pitch
             uncertainty = math.hypot(uncertainty, hidden)
         return gap, uncertainty
+
+    @property
+    def explains(self) -> bool:
+        """Whether the machine leaves so little of the motion that its constants mean something."""
+        return self.fit.residual <= UNEXPLAINED * self.window.motion
 
     @property
     def found_model(self) -> PlantModel:
@@ -93,22 +112,64 @@ def identify(model: PlantModel, data: Data) -> Identification:
     ValueError
         If no such machine explains the data even roughly.
     """
-    found = search_beginning(model, data)
-    # The fit goes on from a model whose factors are ones: its logarithms are bounded.
-    begun = model_with(model, found.factors)
-    knowledge = wide_knowledge(friction_voltage(model.motor))
-    knowledge.expected[: len(FACTORS)] = -found.factors
-    window = data.window(begun)
+    start = search_beginning(model, data)
+    moved = start.factors
+    for _ in range(MOST_BEGINNINGS):
+        # The fit goes on from a model whose factors are ones: its logarithms are bounded.
+        model = model_with(model, start.factors)
+        found = _identify_near(model, data, replace(start, factors=np.zeros(len(FACTORS))), -moved)
+        start = found.fit.unknowns
+        moved = moved + start.factors
+        if np.abs(start.factors).max() < FAR:
+            break
+    return found
+
+
+def _identify_near(
+    model: PlantModel, data: Data, start: Unknowns, expected: FloatArray
+) -> Identification:
+    """Return the machine that explains the data best, near a model.
+
+    Parameters
+    ----------
+    model : PlantModel
+        The model.
+    data : Data
+        Telemetry.
+    start : Unknowns
+        What explains the data roughly.
+    expected : ndarray, shape (3,)
+        Logarithms of the factors by which the start values differ from the model.
+    """
+    window = data.window(model)
+    followed = follow_windows(model, data)
+    joined = () if followed is None else followed.joined
+    known = wide_knowledge(friction_voltage(model.motor), joined)
+    known.expected[: len(FACTORS)] = expected
+    fits = []
+    if followed is not None:
+        problem = WindowFit(window, SETTINGS.growth_change, known)
+        fits.append(fit_whole(problem, followed.on(window)))
+    if not fits or is_restless(fits[0].levels):
+        # Windows that are too short for the machine may have led astray.
+        fits += _fits_from(start, window, known)
+    likely = [each for each in fits if is_plausible(each, known)]
+    fit = min(likely or fits, key=lambda each: each.prediction_error)
+    fit = replace(fit, covariance=segment_covariance(window, fit))
+    return Identification(model, window, fit, joined)
+
+
+def _fits_from(
+    start: Unknowns, window: CalibrationWindow, knowledge: MachineKnowledge
+) -> list[Fit]:
+    """Return fits of all data at once."""
     problem = WindowFit(window, SETTINGS.growth_change, knowledge)
-    start = replace(found, factors=np.zeros(len(FACTORS)))
-    fit = _fitted(problem, start)
-    if fit.levels[1:] != (0.0, 0.0, 0.0):
+    fits = [fit_whole(problem, start)]
+    if fits[0].levels[1:] != (0.0, 0.0, 0.0):
         # Where the model is wrong, least squares may have led astray, to no gap at all say.
         other = fit_from_any_gap(window, knowledge, start, FINE)
-        other = problem.solve(other.unknowns, FINE, 3 * FINE, levels=other.levels)
-        likely = [each for each in (fit, other) if is_plausible(each, knowledge)]
-        fit = min(likely or [fit], key=lambda each: each.prediction_error)
-    return Identification(begun, window, replace(fit, covariance=segment_covariance(window, fit)))
+        fits.append(fit_machine_noise(problem, other))
+    return fits
 
 
 def identify_from(known: Identification, data: Data) -> Identification:
@@ -122,9 +183,10 @@ def identify_from(known: Identification, data: Data) -> Identification:
         Telemetry.
     """
     window = data.window(known.model)
-    knowledge = wide_knowledge(known.effect("friction_voltage"))
+    knowledge = wide_knowledge(known.effect("friction_voltage"), known.joined)
     problem = WindowFit(window, SETTINGS.growth_change, knowledge)
-    return Identification(known.model, window, _fitted(problem, _moved(known, window)))
+    fit = fit_whole(problem, _moved(known, window))
+    return Identification(known.model, window, fit, known.joined)
 
 
 def with_machine_held(known: Identification, data: Data) -> Identification:
@@ -140,29 +202,9 @@ def with_machine_held(known: Identification, data: Data) -> Identification:
     window, told = data.window(known.model), known.fit.machine
     held = MachineKnowledge(told.expected, np.diag(np.square(HELD_SPREAD)))
     problem = WindowFit(window, SETTINGS.growth_change, held)
-    return Identification(known.model, window, _rough(problem, _moved(known, window)))
-
-
-def _fitted(problem: WindowFit, start: Unknowns) -> Fit:
-    """Return the fit that begins near the machine.
-
-    Noise of the machine is told from noise of the reading at the end only: as long as the model is
-    wrong, any deviation would be taken for the machine's, and the fit would stay where it is.
-    """
-    near = _rough(problem, start)
-    fit = problem.solve(near.unknowns, FINE, 3 * FINE, levels=near.levels)
-    return problem.solve(fit.unknowns, FINE, 3 * FINE, levels=fit.levels)
-
-
-def _rough(problem: WindowFit, start: Unknowns) -> Fit:
-    """Return the fit for which all that is not explained is noise of the reading."""
-    near = problem.solve(start, ROUGH, 3 * ROUGH)
-    for _ in range(MOST_REPEATS):
-        before = near.residual
-        near = problem.solve(near.unknowns, ROUGH, 3 * ROUGH)
-        if near.residual > SETTLED * before:
-            break
-    return near
+    return Identification(
+        known.model, window, fit_reading_noise(problem, _moved(known, window)), known.joined
+    )
 
 
 def _moved(known: Identification, window: CalibrationWindow) -> Unknowns:

@@ -7,14 +7,17 @@ keeps its start value, and the others are stated for this value, with its doubt.
 """
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 from bdt_plant.plant import PlantModel
-from bdt_study.calibration.constant import HELD, Constant, held_constants
+from bdt_study.calibration.constant import GAP, HELD, Constant, held_constants
 from bdt_study.calibration.finding import LARGEST_UNCERTAINTY, Finding, structure_ratios
 from bdt_study.calibration.identification import Identification
 from bdt_study.calibration.start_values import model_values
+from bdt_twin.machine_knowledge import USUAL_STRIBECK_SPEED
 
+TORQUE_OF_A_VOLT = ("motor.torque_constant", "motor.resistance")
+"""Constants on which it depends what torque a voltage is."""
 START_SPREAD = 0.35
 """Relative standard uncertainty of a start value that the data cannot tell: a factor of two is
 rare."""
@@ -70,7 +73,7 @@ def machine_constants(
         friction,
         "N m",
         deviation["friction_voltage"] * per_volt,
-        [(name, friction * doubt[name]) for name in ("motor.torque_constant", "motor.resistance")],
+        [(name, friction * doubt[name]) for name in TORQUE_OF_A_VOLT],
     )
     for name, unit in (("stiffness", "N/m"), ("damping", "N s/m")):
         found_value = values[f"structure.{name}"] * value[name]
@@ -97,9 +100,33 @@ def machine_constants(
     constants["actuator.offset"] = finding.constant(
         "voltage_offset", value["voltage_offset"], "V", deviation["voltage_offset"]
     )
-    finding.determined["gap"] = gap[1] <= LARGEST_UNCERTAINTY["gap"]
-    constants["gap.initial"] = finding.constant("gap", gap[0], "rad", gap[1])
+    finding.determined["gap"] = found.explains and gap[1] <= LARGEST_UNCERTAINTY["gap"]
+    constants[GAP] = finding.constant("gap", gap[0], "rad", gap[1])
+    if "excess_voltage" in found.joined:
+        constants |= _friction_at_rest(finding, per_volt, doubt)
     return constants | _ratio_constants(start, found, finding, late)
+
+
+def _friction_at_rest(
+    finding: Finding, per_volt: float, doubt: Mapping[str, float]
+) -> dict[str, Constant]:
+    """Return what friction does at low speeds; the torque of a volt at rest is `per_volt`."""
+    excess, value, deviation = "excess_voltage", finding.values, finding.deviations
+    torque = (value["friction_voltage"] + value[excess]) * per_volt
+    torque_deviation = math.hypot(deviation["friction_voltage"], deviation[excess]) * per_volt
+    speed = USUAL_STRIBECK_SPEED * math.exp(value["stribeck_speed"])
+    return {
+        "motor.static_friction": finding.constant(
+            excess,
+            torque,
+            "N m",
+            torque_deviation,
+            [(name, torque * doubt[name]) for name in TORQUE_OF_A_VOLT],
+        ),
+        "motor.stribeck_speed": finding.constant(
+            "stribeck_speed", speed, "rad/s", speed * deviation["stribeck_speed"]
+        ),
+    }
 
 
 def _ratio_constants(
@@ -110,18 +137,18 @@ def _ratio_constants(
     value, deviation = finding.values, finding.deviations
     stiffness, damping = stiffness * value["stiffness"], damping * value["damping"]
     response = value["delay"] + _motor_lag(found.found_model)
-    return {
-        "friction_voltage": finding.constant(
-            "friction_voltage", value["friction_voltage"], "V", deviation["friction_voltage"]
-        ),
-        "stiffness_per_mass": finding.constant(
-            "stiffness", stiffness, "1/s^2", stiffness * deviation["stiffness"]
-        ),
-        "damping_per_mass": finding.constant(
-            "damping", damping, "1/s", damping * deviation["damping"]
-        ),
-        "response_delay": finding.constant("delay", response, "s", late),
+    ratios = [
+        ("friction_voltage", "friction_voltage", value["friction_voltage"], "V", 1.0),
+        ("stiffness_per_mass", "stiffness", stiffness, "1/s^2", stiffness),
+        ("damping_per_mass", "damping", damping, "1/s", damping),
+    ]
+    if "load_voltage" in found.joined:
+        ratios.append(("load_voltage", "load_voltage", value["load_voltage"], "V/N", 1.0))
+    constants = {
+        name: finding.constant(told_by, each, unit, scale * deviation[told_by])
+        for name, told_by, each, unit, scale in ratios
     }
+    return constants | {"response_delay": finding.constant("delay", response, "s", late)}
 
 
 def _motor_lag(model: PlantModel) -> float:

@@ -1,5 +1,7 @@
 """What is known of a machine before its telemetry is looked at: hardly more than the magnitude."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from bdt_twin.fit_result import Fit
@@ -10,11 +12,14 @@ from bdt_twin.noise_levels import SMALLEST_NOISE
 FACTOR_SPREAD = (0.7, 0.7, 0.7)
 """Prior standard deviations of the logarithms of ``FACTORS``: twice as large, or half."""
 CALIBRATED_EFFECTS = ("friction_voltage", "voltage_offset", "delay", "drift")
-"""Those of ``EFFECTS`` that a calibration looks for, the first ones; a machine has no others."""
-EFFECT_SPREAD = (1.0, 0.2, 2e-3, 1e-5)
-"""Prior standard deviations of ``CALIBRATED_EFFECTS`` [V, V, s, m/s]."""
-_NONE = (1e-9,) * (len(EFFECTS) - len(CALIBRATED_EFFECTS))
-HELD_SPREAD = (1e-7, 1e-7, 1e-7, 1e-7, 1e-7, 1e-9, 1e-12, *_NONE)
+"""Those of ``EFFECTS`` that every calibration looks for, the first ones."""
+JOINING_EFFECTS = ("excess_voltage", "stribeck_speed", "load_voltage")
+"""Those that one looks for if windows of the data give evidence of them, the next ones."""
+EFFECT_SPREAD = (1.0, 0.2, 2e-3, 1e-5, 0.5, 0.5, 5e-3)
+"""Prior standard deviations of both [V, V, s, m/s, V, 1, V/N]."""
+_ABSENT = 1e-9
+_NONE = (_ABSENT,) * (len(EFFECTS) - len(EFFECT_SPREAD))
+HELD_SPREAD = (1e-7, 1e-7, 1e-7, 1e-7, 1e-7, 1e-9, 1e-12, *(_ABSENT,) * 3, *_NONE)
 """Standard deviations of ``FACTORS`` and ``EFFECTS`` that stay what they are."""
 PLAUSIBLE = 4.0
 """Standard deviations of the prior within which a machine is one."""
@@ -22,15 +27,21 @@ UNTOLD = 1e-9
 """Standard deviation of an effect that is not looked for yet."""
 
 
-def wide_knowledge(friction: float) -> MachineKnowledge:
+def wide_knowledge(friction: float, joining: Collection[str] = ()) -> MachineKnowledge:
     """Return a prior that hardly says more than the order of magnitude.
 
     Parameters
     ----------
     friction : float
         Expected voltage of the friction [V].
+    joining : collection of str
+        Those of ``JOINING_EFFECTS`` that the machine has.
     """
-    return independent_knowledge(friction, (*FACTOR_SPREAD, *EFFECT_SPREAD, *_NONE))
+    spread = [
+        size if name in (*CALIBRATED_EFFECTS, *joining) else _ABSENT
+        for name, size in zip(EFFECTS, EFFECT_SPREAD, strict=False)
+    ]
+    return independent_knowledge(friction, (*FACTOR_SPREAD, *spread, *_NONE))
 
 
 def without_late_readings(knowledge: MachineKnowledge) -> MachineKnowledge:

@@ -5,6 +5,7 @@ import math
 from bdt_analysis.figures.figure_style import svg_text
 from bdt_analysis.pages.rendering import render_page
 from bdt_study.calibration.calibrate import Calibration
+from bdt_study.calibration.constant import GAP
 from bdt_study.calibration.constant_rows import constant_rows, hints
 from bdt_study.calibration.figures import correlation_table, residual_figure, spectrum_figure
 
@@ -33,6 +34,8 @@ def render_report(result: Calibration, source: str) -> str:
         gap_time=f"{result.gap_time:.2f}",
         residual=f"{1e6 * result.residual.rms:.3g}",
         validation=f"{1e6 * result.validation.rms:.3g}",
+        gap_is_told=result.constants[GAP].determined,
+        unexplained=result.unexplained,
         noise=f"{1e6 * fit.levels.reading:.3g}",
         pushed=int(fit.pushed.sum()),
         constants=constant_rows(result),

@@ -99,6 +99,7 @@ def _print(result: Calibration, output: Path | None, report: Path | None) -> Non
         "* if the constants that are not told have their start values; --known says that they do",
         f"gap: {degrees:.3f} deg ± {doubt:.2g} deg at {result.gap_time:.2f} s",
         f"residual: {fitted:.3g} um rms; second half, machine of the first: {validated:.3g} um",
+        *([result.unexplained] if result.unexplained else []),
         *(f"not told: {hint}" for hint in hints(result)),
     ]
     for label, path in (("parameters", output), ("report", report)):
