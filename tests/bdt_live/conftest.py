@@ -80,9 +80,10 @@ class LiveProgram:
             raise AssertionError(f"no address within {DEADLINE} s") from None
 
     def ros2(self, *arguments: str) -> None:
-        """Run ``ros2`` beside the loop."""
+        """Run ``ros2`` beside the loop; it leaves no daemon behind."""
         ros2 = shutil.which("ros2", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}")
-        subprocess.run([ros2, *arguments], env=self._environment, check=True, capture_output=True)
+        command = [ros2, *arguments, "--no-daemon"]
+        subprocess.run(command, env=self._environment, check=True, capture_output=True)
 
     def processes(self, module: str) -> list[int]:
         """Return the nodes that run a module."""

@@ -76,7 +76,13 @@ def test_an_answer_that_leaves_the_newest_data_unexplained_is_not_stated(check):
     assert doubt(check) == ""
 
 
-def test_the_next_answer_after_it_is_stated_whatever_was_known_before(check):
-    assert doubt(check, 2.0 * KNOWN[0], is_surprised=True)
-    assert doubt(check, 2.0 * KNOWN[0]) == ""
-    assert "contradicts" in doubt(check, 4.0 * KNOWN[0])
+def test_what_contradicts_has_to_be_repeated_not_to_be_another_contradiction(check):
+    assert "newest" in doubt(check, 2.0 * KNOWN[0], is_surprised=True)
+    assert "contradicts" in doubt(check, 0.5 * KNOWN[0])
+    assert "contradicts" in doubt(check, 2.0 * KNOWN[0])
+    # Nearer to the contradiction than to what was known before: the gap may grow meanwhile.
+    assert doubt(check, 2.2 * KNOWN[0]) == ""
+    assert "contradicts" in doubt(check, 2.0 * KNOWN[0])
+    # What was known before may turn out to be right as well.
+    assert doubt(check) == ""
+    assert "contradicts" in doubt(check, 2.2 * KNOWN[0])

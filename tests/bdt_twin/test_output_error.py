@@ -134,6 +134,49 @@ def test_an_estimate_is_for_the_last_reversal(closed_loop):
         assert estimate.reversals > 0
 
 
+def test_an_estimate_waits_until_the_platform_has_answered_the_reversal(closed_loop):
+    rows = closed_loop(GROWING, 20.0).rows
+    chosen = replace(CHOSEN, update_period=0.1)
+    learned = [e for e in estimates_of(rows, chosen, seconds(rows, 100.0)) if not e.reason]
+    assert len(learned) > 100
+    # A period of the structure's slowest vibration.
+    ratio = math.sqrt(PlantModel().structure.mass / PlantModel().structure.stiffness)
+    slowest = 2.0 * math.pi * ratio / (0.5 * (math.sqrt(5.0) - 1.0))
+    assert min(each.age for each in learned) == pytest.approx(slowest, abs=0.03)
+
+
+@pytest.mark.parametrize("time", [15.5, 16.5, 17.1])
+@pytest.mark.parametrize(("before", "after"), [(5.0, 12.0), (12.0, 3.0)])
+def test_a_gap_that_jumps_is_not_stated_wrongly_and_surely(closed_loop, before, after, time):
+    jumping = GapProfile(
+        kind="table",
+        table_times=(0.0, time, time + 0.001, 30.0),
+        table_gaps=tuple(np.deg2rad([before, before, after, after]).tolist()),
+    )
+    loop = closed_loop(jumping, 24.0, rate=2500.0, dead_zone=12.0, step_time=2.99)
+    rows = measured(loop.rows, 1e-6, 1e-7, 1)
+    found = estimates_of(rows, cuts=seconds(rows, 2500.0), rate=2500.0)
+    errors, uncertainties = errors_of(found, jumping)
+    assert errors.size > 15
+    assert (np.abs(errors) < np.maximum(4.0 * uncertainties, 0.3)).all()
+    assert abs(errors[-1]) < 0.1
+
+
+def test_a_gap_that_rises_and_falls_is_as_sure_as_its_errors_are_small(closed_loop):
+    times = np.linspace(0.0, 60.0, 241)
+    gaps = np.deg2rad(10.0 + 5.0 * np.sin(2.0 * np.pi * times / 40.0))
+    wave = GapProfile(
+        kind="table", table_times=tuple(times.tolist()), table_gaps=tuple(gaps.tolist())
+    )
+    loop = closed_loop(wave, 60.0, dead_zone=15.0, model=OTHER_PLANT)
+    rows = measured(loop.rows, 2e-6, 1e-7, 3)
+    errors, uncertainties = errors_of(estimates_of(rows, cuts=seconds(rows)), wave)
+    assert errors.size > 50
+    # With a scale of changes that is only that of wear it is 0.105.
+    assert np.sqrt(np.mean(errors**2)) < 0.09
+    assert (np.abs(errors) < 2.5 * uncertainties).mean() > 0.9
+
+
 def test_growth_and_gain_come_with_the_gap(closed_loop):
     profile = PROFILES[1]
     rows = closed_loop(profile, 20.0, model=OTHER_PLANT).rows

@@ -5,10 +5,12 @@ import math
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.noise_levels import is_restless
 
-DOUBTFUL = math.radians(0.2)
+DOUBTFUL = math.radians(0.1)
 """Standard uncertainty above which a gap is compared with what was known before [rad]."""
 CONTRADICTION = 2.0
 """Standard uncertainties between two gaps that contradict each other; windows share their data."""
+HARMLESS = math.radians(0.3)
+"""Difference of two gaps that is no contradiction however sure both are [rad]."""
 HARDLY_EXPLAINED = 8.0
 """Walk of the motor in a second, over the noise of a reading, from which on a first answer may be
 that of a fit which has not yet found the best one."""
@@ -25,7 +27,8 @@ class AnswerCheck:
 
     def __init__(self, largest_uncertainty: float) -> None:
         self._largest = largest_uncertainty
-        self._contradicted, self._sure_before = False, False
+        self._sure_before = False
+        self._contradiction = 0.0
 
     def unexplained(self) -> None:
         """Take note of a window that no fit explains."""
@@ -62,15 +65,15 @@ class AnswerCheck:
         if not sure_before and is_restless(levels, HARDLY_EXPLAINED):
             return "the next window has to confirm the gap of a machine that is hardly explained"
         if is_surprised:
-            # It may contradict what was known before, and the next window be the second to do so.
-            self._contradicted = True
             return "the newest data are not explained yet"
         if (uncertainty >= DOUBTFUL or is_pushed) and expected is not None:
             before, its_uncertainty = expected
-            spread = CONTRADICTION * math.hypot(uncertainty, its_uncertainty)
+            off = gap - before
+            spread = max(CONTRADICTION * math.hypot(uncertainty, its_uncertainty), HARMLESS)
             # Said twice, it is what was known before that was wrong.
-            self._contradicted = not self._contradicted and abs(gap - before) > spread
-            if self._contradicted:
+            is_repeated = abs(off - self._contradiction) < abs(off)
+            if abs(off) > spread and not is_repeated:
+                self._contradiction = off
                 return "the gap contradicts what was known before"
-        self._contradicted = False
+        self._contradiction = 0.0
         return ""

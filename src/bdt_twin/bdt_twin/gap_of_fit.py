@@ -4,9 +4,46 @@ import math
 
 import numpy as np
 
+from bdt_plant.plant import PlantModel
 from bdt_twin.fit_result import Fit
-from bdt_twin.fixed_order import dot, product
+from bdt_twin.fixed_order import dot, mean, product
 from bdt_twin.window_model import WindowModel
+
+RESPONSE = 10.0
+"""Time in which the upper platform answers the screw, in sqrt(m/k): a period of its slowest
+vibration."""
+JUMP = 2
+"""Changes of growth that a jump of the gap is, up and down again."""
+
+
+def answered_reversals(
+    model: PlantModel, window: WindowModel, fit: Fit, newest: float
+) -> list[float]:
+    """Return the times of the screw's reversals that the platform has answered [s].
+
+    Where the gap has just jumped the model reverses before the machine does. Only when the
+    platform has had the time to follow do the data tell one from the other.
+
+    Parameters
+    ----------
+    model : PlantModel
+        The mechanism.
+    window : WindowModel
+        Model and data.
+    fit : Fit
+        Their fit.
+    newest : float
+        Time of the newest sample [s].
+    """
+    answered = newest - RESPONSE * math.sqrt(model.structure.mass / model.structure.stiffness)
+    return [time for time in window.reversals(fit.responses) if time <= answered]
+
+
+def growth_change_of(window: WindowModel, fit: Fit) -> float:
+    """Return how much growth changes in one second in a fit, jumps left out [rad/s^1.5]."""
+    spacing = float(window.knots[1] - window.knots[0])
+    changes = np.sort(np.abs(np.diff(fit.unknowns.gaps, 2)))[:-JUMP]
+    return mean(changes) / (spacing * math.sqrt(spacing)) if changes.size else 0.0
 
 
 def gap_at(window: WindowModel, fit: Fit, at: float) -> tuple[float, float]:

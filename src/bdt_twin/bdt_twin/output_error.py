@@ -18,7 +18,7 @@ from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import COMPILED, standard_deviation
 from bdt_twin.forward_model import SMALLEST_TRAVEL
-from bdt_twin.gap_of_fit import gap_at, growth_at
+from bdt_twin.gap_of_fit import answered_reversals, gap_at, growth_at, growth_change_of
 from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
 from bdt_twin.machine_memory import MachineMemory, MachineRecollection
 from bdt_twin.model_factors import FACTORS, check_room
@@ -55,11 +55,11 @@ LARGEST_SATURATED_TRAVEL = 2.0
 class OutputErrorEstimator:
     """Fits the forward model to the newest window of telemetry, once in each update period.
 
-    An estimate states the gap at the last reversal of the screw: later samples tell nothing about
-    the gap until the screw reverses again. Its time is that of this reversal, when the screw began
-    to move the other way, so the gap at another time is ``gap + growth * (time - estimate.time)``.
-    A window that teaches nothing repeats the last estimate, with an uncertainty that covers all
-    that the gap may have grown until the end of the window.
+    An estimate states the gap at the last reversal of the screw that the platform has answered:
+    later samples tell nothing about the gap until the screw reverses again. Its time is that of
+    this reversal, when the screw began to move the other way, so the gap at another time is
+    ``gap + growth * (time - estimate.time)``. A window that teaches nothing repeats the last
+    estimate, with an uncertainty that covers all that the gap may have grown until its end.
 
     A missing batch leaves a hole. The stretches of data on its sides are fitted together, each
     with a beginning of its own; those shorter than ``shortest_stretch`` are left out, because
@@ -123,7 +123,7 @@ class OutputErrorEstimator:
 
     def _forget_fits(self) -> None:
         self.last_fit: AcceptedFit | None = None
-        self._walks = False
+        self._walks, self._growth_change = False, self._settings.growth_change
         self._predecessor: Predecessor | None = None
         self._check, self._held = AnswerCheck(self._settings.largest_uncertainty), 0
         self._machine = MachineMemory(self._model.motor)
@@ -201,12 +201,13 @@ class OutputErrorEstimator:
         block = self._block // every
         averaged = [stretch.averaged(every, block) for stretch in stretches]
         window = WindowModel(self._model, averaged, knots, rate / every, block, self._machine.cogs)
-        change = chosen.growth_change
-        return self._validate(*next_fit(window, self._predecessor, self._machine, change), newest)
+        fitted = next_fit(window, self._predecessor, self._machine, self._growth_change)
+        return self._validate(*fitted, newest)
 
     def _validate(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
         """Return what a fit teaches, or the last estimate with the reason why it does not."""
-        time, reversals = self._window.time(newest), window.reversals(fit.responses)
+        time = self._window.time(newest)
+        reversals = answered_reversals(self._model, window, fit, newest / self._rate)
         self._walks = is_walking(fit.levels, window.motion)
         if unexplained := self._unexplained(fit, len(reversals)):
             self._check.unexplained()
@@ -249,6 +250,8 @@ class OutputErrorEstimator:
                 voltage_offset=offset.voltage, voltage_offset_uncertainty=offset.uncertainty
             )
         self.last_fit = AcceptedFit(window, fit, estimate)
+        # A gap that rises and falls is not held to the even growth of wear.
+        self._growth_change = max(self._settings.growth_change, growth_change_of(window, fit))
         self._machine.learn(newest / self._rate, fit.machine)
         return estimate
 
@@ -282,7 +285,7 @@ class OutputErrorEstimator:
         if self.last_fit is None:
             return math.inf
         last = self.last_fit.estimate
-        change = self._settings.growth_change * age * math.sqrt(max(age, 0.0) / 3)
+        change = self._growth_change * age * math.sqrt(max(age, 0.0) / 3)
         return math.hypot(last.uncertainty, age * last.growth_uncertainty, change)
 
     def _hold_estimate(self, time: float, reason: str) -> Estimate:
