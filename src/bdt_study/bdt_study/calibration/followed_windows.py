@@ -5,7 +5,7 @@ friction at rest does to a minute of slow motion, no gap and no offset explain. 
 seconds less goes wrong, and the estimator adds the effects that windows give evidence of.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +63,7 @@ def follow_windows(model: PlantModel, data: Data) -> FollowedMachine | None:
     data : Data
         Telemetry.
     """
-    estimator = OutputErrorEstimator(model, OutputErrorSettings(), data.sampling_rate)
+    estimator = OutputErrorEstimator(model, _settings_at(data.sampling_rate), data.sampling_rate)
     told: dict[float, float] = {}
     size = round(BATCH * data.sampling_rate)
     for stretch in data.stretches:
@@ -86,3 +86,10 @@ def follow_windows(model: PlantModel, data: Data) -> FollowedMachine | None:
     times = np.array(sorted(told))
     gaps = np.array([told[time] for time in times.tolist()])
     return FollowedMachine(last.fit.unknowns.factors, effects, times, gaps, joined)
+
+
+def _settings_at(sampling_rate: float) -> OutputErrorSettings:
+    """Return the estimator's settings, updated after whole samples: clocks of machines are off."""
+    settings = OutputErrorSettings()
+    samples = max(round(settings.update_period * sampling_rate), 1)
+    return replace(settings, update_period=samples / sampling_rate)
