@@ -175,3 +175,21 @@ def test_the_older_what_was_kept_the_less_is_known():
         spreads.append(spread_of(later.before(0.0), FRICTION))
     assert spreads == sorted(spreads)
     assert spreads[0] < spreads[-1] == pytest.approx(EFFECT_SPREAD[0]), "no less than at first"
+
+
+def test_a_machine_that_is_another_one_is_known_by_its_model_alone():
+    memory = MachineMemory(MotorParameters())
+    memory.has_evidence(evidence_of("drift", 9.0), told())
+    memory.learn(20.0, told(0.02, spread=1e-9))
+    delay = EFFECTS.index("delay")
+    memory.begin_anew(24, {delay})
+    assert memory.cogs == 24
+    assert {EFFECTS[place] for place in memory.present} == {
+        "delay",
+        "cogging_sine",
+        "cogging_cosine",
+    }
+    known = memory.before(30.0)
+    assert not known.expected[len(FACTORS) :].any()
+    assert spread_of(known, len(FACTORS) + delay) == pytest.approx(EFFECT_SPREAD[delay])
+    assert memory.recollection() is None

@@ -63,3 +63,15 @@ def test_means_of_single_samples_are_the_samples():
     for one, other in zip(same[1:4], stretch[1:4], strict=True):
         assert (one == other).all()
     assert same.first == stretch.first
+
+
+@pytest.mark.parametrize(("count", "lead"), [(30, 4), (100, 4), (999, 4), (30, 80)])
+def test_the_newest_samples_are_the_last_with_those_before_them(count, lead):
+    voltage = np.random.default_rng(3).normal(size=120)
+    whole = stretch_of(voltage, before=20).averaged(1, 1)
+    newest = whole.newest(count, lead)
+    kept = min(count, 100)
+    assert newest.first + np.arange(kept) == pytest.approx(newest.position)
+    assert np.array_equal(newest.voltage, voltage[120 - kept :])
+    assert np.array_equal(newest.before, voltage[: 120 - kept][-lead:])
+    assert np.array_equal(newest.readings, newest.position)

@@ -100,3 +100,22 @@ def test_weights_interpolate_between_the_knots(closed_loop):
     window = window_of(closed_loop(), (0, 5000))
     times, gaps = np.array([0.0, 0.5, 3.0, 12.0]), np.arange(7.0) ** 2
     assert gaps @ window.weights(times) == pytest.approx(np.interp(times, KNOTS, gaps))
+
+
+@pytest.mark.parametrize(("duration", "samples"), [(3.0, 3000), (3.0019, 3000), (12.0, 6000)])
+def test_the_newest_data_are_those_of_the_last_stretch(closed_loop, duration, samples):
+    window = window_of(closed_loop(), (0, 4000), (5000, 11000))
+    newest = window.newest(duration)
+    (stretch,) = newest.stretches
+    assert stretch.first == 11000 - samples
+    assert newest.samples == samples
+    assert newest.cogs == COGS
+    # The gap at their beginning is between two knots.
+    assert newest.knots[0] <= stretch.first / RATE < newest.knots[1]
+    assert newest.knots[-1] == KNOTS[-1]
+
+
+def test_data_without_a_hole_that_are_short_are_all_the_newest(closed_loop):
+    window = window_of(closed_loop(), (0, 4000))
+    assert window.newest(4.0) is window
+    assert window.newest(3.0) is not window

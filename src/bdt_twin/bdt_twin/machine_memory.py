@@ -2,6 +2,7 @@
 
 import math
 from collections import deque
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,8 @@ has some, too. To leave them out until there is evidence would make the first wi
 SMALLEST_FRICTION, FRICTION_COVERAGE = 0.02, 5.0
 """Voltage [V] and standard uncertainties from which on a motor has friction for certain: cogging
 looks like a little friction, too."""
+COGGING = frozenset({EFFECTS.index("cogging_sine"), EFFECTS.index("cogging_cosine")})
+"""Places in ``EFFECTS`` of the parts of cogging."""
 COGGING_EVIDENCE = 8.0
 """Gain of log-likelihood that is evidence of cogging: many numbers of periods are tried."""
 SEARCH_EVERY = 4
@@ -98,6 +101,25 @@ class MachineMemory:
         self._recalled: tuple[MachineKnowledge, float] | None = None
         if motor.coulomb_friction > 0.0:
             self._present.add(EFFECTS.index("friction_voltage"))
+
+    @property
+    def present(self) -> frozenset[int]:
+        """Places in ``EFFECTS`` of those that the machine has."""
+        return frozenset(self._present)
+
+    def begin_anew(self, cogs: int, present: Collection[int]) -> None:
+        """Forget what windows have told of a machine that is another one.
+
+        Parameters
+        ----------
+        cogs : int
+            Periods of its motor's cogging in a turn.
+        present : collection of int
+            Places in ``EFFECTS`` of what it has besides.
+        """
+        self._told.clear()
+        self._known = self._recalled = None
+        self.cogs, self._present = cogs, {*COGGING, *present}
 
     def recollection(self) -> MachineRecollection | None:
         """Return what is worth keeping; None before the first window has told anything."""
@@ -181,7 +203,7 @@ class MachineMemory:
         if evidence.gain <= COGGING_EVIDENCE:
             return False
         self.cogs = evidence.cogs
-        self._present |= {EFFECTS.index("cogging_sine"), EFFECTS.index("cogging_cosine")}
+        self._present |= COGGING
         return True
 
     def implausible(self, machine: MachineKnowledge) -> str:

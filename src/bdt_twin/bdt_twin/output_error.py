@@ -14,10 +14,10 @@ from bdt_plant.elementary_functions import exponential
 from bdt_plant.plant import PlantModel
 from bdt_twin.answer_check import AnswerCheck
 from bdt_twin.cogging_search import compiled_waves
+from bdt_twin.cogging_trials import CoggingTrials
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
-from bdt_twin.fixed_order import COMPILED, standard_deviation
-from bdt_twin.forward_model import SMALLEST_TRAVEL
+from bdt_twin.fixed_order import COMPILED
 from bdt_twin.gap_of_fit import answered_reversals, gap_at, growth_at, growth_change_of
 from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
 from bdt_twin.machine_memory import MachineMemory, MachineRecollection
@@ -27,6 +27,7 @@ from bdt_twin.noise_levels import is_walking
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.sensor_saturation import motor_travel_in_saturation
 from bdt_twin.telemetry_window import TelemetryWindow
+from bdt_twin.unexplained_window import unexplained
 from bdt_twin.window_loop import compiled_structure, compiled_window
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor
@@ -34,8 +35,6 @@ from bdt_twin.window_search import leaves_newest_unexplained
 
 FloatArray = NDArray[np.float64]
 
-MISFIT = 0.02
-"""Share of the position's motion that is not predicted in a window that is explained."""
 LOOPS = (
     compiled_window,
     compiled_structure,
@@ -46,8 +45,6 @@ LOOPS = (
 """What to call before the first data wait."""
 MOST_HELD = 5
 """Windows in a row that leave the gap unknown, after which a fit begins anew."""
-UNEXPLAINED = 0.1
-"""Share of a residual that is unexplained even if noise of the machine would make it likely."""
 LARGEST_SATURATED_TRAVEL = 2.0
 """Angle by which the motor may turn, beside twice the gap, while the position is stuck [rad]."""
 
@@ -129,6 +126,7 @@ class OutputErrorEstimator:
         self._machine = MachineMemory(self._model.motor)
         if self._recalled is not None:
             self._machine.recall(*self._recalled)
+        self._trials = CoggingTrials(self._model.motor)
 
     def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
         """Take the next batch.
@@ -201,17 +199,27 @@ class OutputErrorEstimator:
         block = self._block // every
         averaged = [stretch.averaged(every, block) for stretch in stretches]
         window = WindowModel(self._model, averaged, knots, rate / every, block, self._machine.cogs)
-        fitted = next_fit(window, self._predecessor, self._machine, self._growth_change)
-        return self._validate(*fitted, newest)
+        window, fit = next_fit(window, self._predecessor, self._machine, self._growth_change)
+        estimate = self._validate(window, fit, newest)
+        if estimate.reason:
+            self._try_cogging(window, fit)
+        return estimate
+
+    def _try_cogging(self, window: WindowModel, fit: Fit) -> None:
+        """Look further for what explains a window that has taught nothing."""
+        found = self._trials.advance(window, fit, self._machine, self._growth_change)
+        if found is not None:
+            self._machine.begin_anew(found.cogs, found.present)
+            self._predecessor, self._held = found.window, 0
 
     def _validate(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
         """Return what a fit teaches, or the last estimate with the reason why it does not."""
         time = self._window.time(newest)
         reversals = answered_reversals(self._model, window, fit, newest / self._rate)
         self._walks = is_walking(fit.levels, window.motion)
-        if unexplained := self._unexplained(fit, len(reversals)):
+        if reason := unexplained(fit, len(reversals), self._machine):
             self._check.unexplained()
-            return self._hold_estimate(time, unexplained)
+            return self._hold_estimate(time, reason)
         # Telemetry may be stamped anywhere between two multiples of the sample time.
         at = reversals[-1]
         stamp = time - (newest / self._rate - at)
@@ -254,23 +262,6 @@ class OutputErrorEstimator:
         self._growth_change = max(self._settings.growth_change, growth_change_of(window, fit))
         self._machine.learn(newest / self._rate, fit.machine)
         return estimate
-
-    def _unexplained(self, fit: Fit, reversals: int) -> str:
-        """Return why a fit is none of the data; empty if it is."""
-        motion = max(standard_deviation(run.position) for run in fit.responses)
-        if sum(run.travel for run in fit.responses) < SMALLEST_TRAVEL:
-            return "the lead screw does not move"
-        if not reversals:
-            return "the lead screw does not reverse"
-        if max(fit.prediction_error, UNEXPLAINED * fit.residual) > MISFIT * motion:
-            error = max(fit.prediction_error, fit.residual)
-            return (
-                f"the model does not explain {1e6 * error:.3g} um "
-                f"of a motion of {1e6 * motion:.3g} um"
-            )
-        if strange := self._machine.implausible(fit.machine):
-            return f"only an odd {strange} would explain the data"
-        return ""
 
     def _expected(self, time: float) -> tuple[float, float] | None:
         """Return gap and uncertainty [rad] at a time [s] as the last estimate tells them."""

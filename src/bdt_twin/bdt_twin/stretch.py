@@ -36,6 +36,26 @@ class Stretch(NamedTuple):
     before: FloatArray = np.empty(0)
     readings: FloatArray | None = None
 
+    def newest(self, count: int, lead: int) -> "Stretch":
+        """Return the stretch of the newest samples.
+
+        Parameters
+        ----------
+        count : int
+            Most samples of it.
+        lead : int
+            Most samples before it.
+        """
+        left = max(self.voltage.size - count, 0)
+        each = 0 if self.readings is None else self.readings.size // self.position.size
+        return Stretch(
+            self.first + left,
+            self.voltage[left:],
+            self.position[left:],
+            np.append(self.before, self.voltage[:left])[-lead:],
+            None if self.readings is None else self.readings[each * left :],
+        )
+
     def averaged(self, every: int, block: int) -> "Stretch":
         """Return the means of several samples each.
 

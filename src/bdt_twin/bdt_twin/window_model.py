@@ -22,7 +22,7 @@ from bdt_twin.innovations import DeviationModel, Motion
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS, block_model_with, plant_step_with
 from bdt_twin.resisted_model import resisted_plant_with, with_cogs
-from bdt_twin.stretch import Stretch
+from bdt_twin.stretch import LEAD, Stretch
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_loop import DRIVES
 
@@ -73,6 +73,16 @@ class WindowModel:
         self._blocks = [stretch.voltage.size // block for stretch in stretches]
         self._times = [np.arange(stretch.voltage.size) / sampling_rate for stretch in stretches]
         self._gaps = [GapSamples(knots, stretch, sampling_rate) for stretch in stretches]
+
+    def newest(self, duration: float) -> "WindowModel":
+        """Return the window of its newest data without a hole, of no more than some time [s]."""
+        count, lead = int(duration * self.block_rate) * self.block, round(LEAD * self.sampling_rate)
+        if len(self.stretches) == 1 and count >= self.samples:
+            return self
+        stretch = self.stretches[-1].newest(count, max(lead, 1))
+        begins = stretch.first / self.sampling_rate
+        knots = self.knots[max(int(np.searchsorted(self.knots, begins, side="right")) - 1, 0) :]
+        return WindowModel(self._model, [stretch], knots, self.sampling_rate, self.block, self.cogs)
 
     def coarse(self, lowest_rate: float, lowest_block_rate: float) -> "WindowModel":
         """Return the window with fewer samples and blocks, for a rough fit in little time.

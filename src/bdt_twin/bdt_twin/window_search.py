@@ -141,15 +141,25 @@ def _from_many(
     simulations: int,
 ) -> Fit:
     """Fit a window from the best of many beginnings: roughly, then with the machine's noise."""
-    beginning = _multi_start(window, growth_change, machine)
+    beginning = multi_start(window, growth_change, machine)
     near = problem.solve(beginning, ROUGH, ROUGH_SIMULATIONS)
     rest = simulations - near.simulations
     fit = problem.solve(near.unknowns, FINE, rest, levels=near.levels)
     return replace(fit, simulations=near.simulations + fit.simulations)
 
 
-def _multi_start(window: WindowModel, growth_change: float, machine: MachineKnowledge) -> Unknowns:
-    """Return what fits a coarse copy of the window best, of what is found from each first gap."""
+def multi_start(window: WindowModel, growth_change: float, machine: MachineKnowledge) -> Unknowns:
+    """Return what fits a coarse copy of a window best, of what is found from each first gap.
+
+    Parameters
+    ----------
+    window : WindowModel
+        Model and data.
+    growth_change : float
+        Scale of the growth rate's change in one second [rad/s^1.5].
+    machine : MachineKnowledge
+        What is known of the machine before.
+    """
     coarse = window.coarse(COARSE_RATE, COARSE_BLOCK_RATE)
     problem = WindowFit(coarse, growth_change, machine)
     factors, effects = np.split(machine.expected, [len(FACTORS)])

@@ -20,7 +20,7 @@ from bdt_study.calibration.machine_constants import machine_constants
 from bdt_study.calibration.start_values import Configuration, start_model
 from bdt_study.calibration.validation import Residual, residual_of, validate_machine
 from bdt_twin.model_factors import check_room
-from bdt_twin.output_error import MISFIT
+from bdt_twin.unexplained_window import MISFIT
 
 IS_IT = ": is this voltage and position of one mechanism?"
 
