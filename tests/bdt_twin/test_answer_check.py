@@ -4,7 +4,13 @@ import math
 
 import pytest
 
-from bdt_twin.answer_check import CONTRADICTION, DOUBTFUL, HARDLY_EXPLAINED, AnswerCheck
+from bdt_twin.answer_check import (
+    CONTRADICTION,
+    DOUBTFUL,
+    FIRST_SHARE,
+    HARDLY_EXPLAINED,
+    AnswerCheck,
+)
 from bdt_twin.innovations import NoiseLevels
 
 LARGEST = math.radians(1.0)
@@ -37,6 +43,20 @@ def test_the_first_answer_of_a_machine_that_is_hardly_explained_waits_for_the_se
     assert "confirm" in doubt(check, levels=HARDLY, expected=None)
     assert doubt(check, levels=HARDLY, expected=None) == ""
     assert doubt(check, levels=HARDLY) == ""
+
+
+def test_where_a_machine_is_hardly_explained_answers_begin_surer_than_they_go_on(check):
+    begins, goes_on = 0.99 * FIRST_SHARE * LARGEST, 0.99 * LARGEST
+    doubt(check, uncertainty=begins, levels=HARDLY)
+    assert "unknown by 0.99 deg" in doubt(check, uncertainty=goes_on, levels=HARDLY)
+    assert doubt(check, uncertainty=begins, levels=HARDLY) == ""
+    assert doubt(check, uncertainty=goes_on, levels=HARDLY) == ""
+    assert "newest" in doubt(check, levels=HARDLY, is_surprised=True)
+    assert "unknown by" in doubt(check, uncertainty=goes_on, levels=HARDLY)
+
+
+def test_where_it_is_explained_they_begin_as_they_go_on(check):
+    assert doubt(check, uncertainty=0.99 * LARGEST, expected=None) == ""
 
 
 @pytest.mark.parametrize("interruption", ["unsure", "unexplained"])

@@ -9,7 +9,7 @@ import pytest
 from unknown_machine import Run, UnknownMachine, record
 
 from bdt_plant.plant import PlantModel
-from bdt_twin.cogging_trials import FINALISTS, ROUNDS, TRIALS, CoggingTrials
+from bdt_twin.cogging_trials import FINALISTS, MUCH_WORK, ROUNDS, TRIALS, CoggingTrials
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_fit import WindowFit
@@ -24,7 +24,7 @@ GROWTH_CHANGE = OutputErrorSettings().growth_change
 def run_of(cogging):
     """Return estimator, estimates and true gaps of a motor without friction."""
     machine = UnknownMachine(cogging=cogging, cogs=float(COGS))
-    rows, gaps = record(machine, Run(duration=DURATION, sampling_rate=RATE, seed=2))
+    rows, gaps = record(machine, Run(duration=DURATION, sampling_rate=RATE, seed=3))
     estimator = OutputErrorEstimator(PlantModel(), OutputErrorSettings(), RATE)
     estimates = [estimator.update(batch) for batch in np.split(rows, round(DURATION))]
     return estimator, estimates, gaps
@@ -95,3 +95,15 @@ def test_short_data_are_not_searched(fits):
     fits.clear()
     assert trials.advance(window, fit, MachineMemory(MOTOR), GROWTH_CHANGE) is None
     assert not fits
+
+
+def test_a_window_whose_own_fit_takes_long_has_no_time_for_trials(fits):
+    last = run_of(0.0)[0].last_fit
+    restless = last.fit.levels._replace(slow=100.0 * last.fit.levels.reading)
+    most = MUCH_WORK // last.window.samples
+    trials = CoggingTrials(MOTOR)
+    for simulations, tries in ((most + 1, False), (most, True)):
+        fits.clear()
+        fit = replace(last.fit, levels=restless, simulations=simulations)
+        trials.advance(last.window, fit, MachineMemory(MOTOR), GROWTH_CHANGE)
+        assert bool(fits) is tries

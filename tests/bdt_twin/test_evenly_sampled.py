@@ -56,7 +56,7 @@ def test_what_has_to_wait_for_the_next_batch_is_no_estimate_yet():
 
 @pytest.mark.parametrize("how", ["stamped late", "taken late", "slow clock"])
 def test_jitter_costs_little(closed_loop, how):
-    rows = closed_loop(PROFILE, 12.0).rows.copy()
+    rows = closed_loop(PROFILE, 13.0).rows.copy()
     generator = np.random.default_rng(0)
     rows[:, 2] += generator.normal(0.0, 1e-6, len(rows))
     jitter = np.clip(generator.normal(0.0, 1e-4, len(rows)), -4e-4, 4e-4)

@@ -14,6 +14,8 @@ HARMLESS = math.radians(0.3)
 HARDLY_EXPLAINED = 8.0
 """Walk of the motor in a second, over the noise of a reading, from which on a first answer may be
 that of a fit which has not yet found the best one."""
+FIRST_SHARE = 0.6
+"""Share of the largest uncertainty that such a machine's first answer may have."""
 
 
 class AnswerCheck:
@@ -27,12 +29,12 @@ class AnswerCheck:
 
     def __init__(self, largest_uncertainty: float) -> None:
         self._largest = largest_uncertainty
-        self._sure_before = False
+        self._sure_before = self._stated_before = False
         self._contradiction = 0.0
 
     def unexplained(self) -> None:
         """Take note of a window that no fit explains."""
-        self._sure_before = False
+        self._sure_before = self._stated_before = False
 
     def doubt(
         self,
@@ -59,14 +61,29 @@ class AnswerCheck:
         is_surprised : bool
             Whether the newest data are explained worse than the others.
         """
-        sure_before, self._sure_before = self._sure_before, uncertainty <= self._largest
-        if not self._sure_before:
+        reason = self._leaves_unknown(uncertainty, levels)
+        if not reason and is_surprised:
+            reason = "the newest data are not explained yet"
+        if not reason:
+            is_compared = uncertainty >= DOUBTFUL or is_pushed
+            reason = self._contradicts(gap, uncertainty, expected if is_compared else None)
+        self._sure_before = uncertainty <= self._largest
+        self._stated_before = not reason
+        return reason
+
+    def _leaves_unknown(self, uncertainty: float, levels: NoiseLevels) -> str:
+        is_hardly_explained = is_restless(levels, HARDLY_EXPLAINED)
+        is_first = is_hardly_explained and self._sure_before and not self._stated_before
+        if uncertainty > (FIRST_SHARE if is_first else 1.0) * self._largest:
             return f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
-        if not sure_before and is_restless(levels, HARDLY_EXPLAINED):
+        if is_hardly_explained and not self._sure_before:
             return "the next window has to confirm the gap of a machine that is hardly explained"
-        if is_surprised:
-            return "the newest data are not explained yet"
-        if (uncertainty >= DOUBTFUL or is_pushed) and expected is not None:
+        return ""
+
+    def _contradicts(
+        self, gap: float, uncertainty: float, expected: tuple[float, float] | None
+    ) -> str:
+        if expected is not None:
             before, its_uncertainty = expected
             off = gap - before
             spread = max(CONTRADICTION * math.hypot(uncertainty, its_uncertainty), HARMLESS)

@@ -26,6 +26,8 @@ LONGEST, SHORTEST = 6.0, 4.0
 one does not tell a number from the next."""
 TRIALS, FINAL_TRIALS = 2, 1
 """Numbers that are tried in each window that teaches nothing."""
+MUCH_WORK = 500_000
+"""Simulated samples of a window's own fit, which has begun anew, that leave no time for trials."""
 FINALISTS = 5
 """Numbers that are tried on other data."""
 DISTINCT = 0.93
@@ -109,7 +111,7 @@ class _Trial(NamedTuple):
 
 
 class CoggingTrials:
-    """Tries a few numbers in each window that teaches nothing.
+    """Tries a few numbers in each window that teaches nothing, if its own fit leaves time for it.
 
     Parameters
     ----------
@@ -146,7 +148,8 @@ class CoggingTrials:
         FoundCogging or None
             The cogging, once a number is the best by far, twice.
         """
-        if not self._rounds or not is_restless(fit.levels):
+        has_time = fit.simulations * window.samples <= MUCH_WORK
+        if not (has_time and self._rounds and is_restless(fit.levels)):
             return None
         anew, numbers = self._rounds[0]
         if self._trial is None:

@@ -44,7 +44,8 @@ LOOPS = (
 )
 """What to call before the first data wait."""
 MOST_HELD = 5
-"""Windows in a row that leave the gap unknown, after which a fit begins anew."""
+"""Windows in a row that leave the gap unknown, or their newest data unexplained, after which a fit
+begins anew."""
 LARGEST_SATURATED_TRAVEL = 2.0
 """Angle by which the motor may turn, beside twice the gap, while the position is stuck [rad]."""
 
@@ -225,15 +226,17 @@ class OutputErrorEstimator:
         stamp = time - (newest / self._rate - at)
         gap, uncertainty = gap_at(window, fit, at)
         growth, growth_uncertainty = growth_at(window, fit, at)
+        is_surprised = leaves_newest_unexplained(window, fit)
         unsure = self._check.doubt(
             gap,
             uncertainty,
             self._expected(stamp),
             fit.levels,
             is_pushed=bool(fit.pushed.any()),
-            is_surprised=leaves_newest_unexplained(window, fit),
+            is_surprised=is_surprised,
         )
-        self._held = self._held + 1 if unsure else 0
+        is_lost = is_surprised or uncertainty > self._settings.largest_uncertainty
+        self._held = self._held + 1 if is_lost else 0
         # Windows that follow find out more from here, unless it is here that nothing is found.
         follows = self._held < MOST_HELD
         self._predecessor = Predecessor(window, fit, growth) if follows else None
