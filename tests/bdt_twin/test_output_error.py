@@ -15,10 +15,12 @@ from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.structure import StructureParameters
+from bdt_twin import next_fit
+from bdt_twin.answer_check import AnswerCheck
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.estimator import TelemetryRejectedError
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.output_error import OutputErrorEstimator
+from bdt_twin.output_error import MOST_HELD, OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.window_loop import compiled_structure, compiled_window
 
@@ -226,6 +228,36 @@ def test_newest_only_lets_stale_windows_go(closed_loop):
     [expected] = estimates_of(rows)
     assert newest.time == pytest.approx(expected.time, abs=2.0 / RATE)
     assert newest.gap == pytest.approx(expected.gap, abs=expected.uncertainty)
+
+
+@pytest.mark.parametrize(
+    ("largest", "reason", "begins_anew"),
+    [
+        # A gap that is only kept back for now is where the next window begins.
+        (math.radians(1.0), "it has to be surer", False),
+        (1e-6, "", True),
+    ],
+)
+def test_fits_begin_anew_only_where_windows_leave_the_gap_unknown(
+    closed_loop, monkeypatch, largest, reason, begins_anew
+):
+    beginnings = []
+    fit_window = next_fit.fit_window
+
+    def noted(window, growth_change, machine, predicted=None, *rest):
+        beginnings.append(predicted is None)
+        return fit_window(window, growth_change, machine, predicted, *rest)
+
+    monkeypatch.setattr(next_fit, "fit_window", noted)
+    if reason:
+        monkeypatch.setattr(AnswerCheck, "doubt", lambda *_, **__: reason)
+    rows = closed_loop(PROFILES[0], 12.0).rows
+    rows[:, 2] += np.random.default_rng(1).normal(0.0, 1e-6, len(rows))
+    chosen = replace(CHOSEN, largest_uncertainty=largest)
+    assert all(each.reason for each in estimates_of(rows, chosen, seconds(rows)))
+    assert len(beginnings) > 2 * MOST_HELD
+    assert beginnings[0]
+    assert any(beginnings[MOST_HELD:]) is begins_anew
 
 
 @pytest.mark.parametrize("lost", [{12}, {7, 12, 13}])

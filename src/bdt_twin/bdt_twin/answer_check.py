@@ -61,17 +61,19 @@ class AnswerCheck:
         is_surprised : bool
             Whether the newest data are explained worse than the others.
         """
-        reason = self._leaves_unknown(uncertainty, levels)
+        reason = self._unsure_because(uncertainty, levels)
         if not reason and is_surprised:
             reason = "the newest data are not explained yet"
         if not reason:
             is_compared = uncertainty >= DOUBTFUL or is_pushed
-            reason = self._contradicts(gap, uncertainty, expected if is_compared else None)
+            reason = self._contradicting_because(
+                gap, uncertainty, expected if is_compared else None
+            )
         self._sure_before = uncertainty <= self._largest
         self._stated_before = not reason
         return reason
 
-    def _leaves_unknown(self, uncertainty: float, levels: NoiseLevels) -> str:
+    def _unsure_because(self, uncertainty: float, levels: NoiseLevels) -> str:
         is_hardly_explained = is_restless(levels, HARDLY_EXPLAINED)
         is_first = is_hardly_explained and self._sure_before and not self._stated_before
         if uncertainty > (FIRST_SHARE if is_first else 1.0) * self._largest:
@@ -80,7 +82,7 @@ class AnswerCheck:
             return "the next window has to confirm the gap of a machine that is hardly explained"
         return ""
 
-    def _contradicts(
+    def _contradicting_because(
         self, gap: float, uncertainty: float, expected: tuple[float, float] | None
     ) -> str:
         if expected is not None:
