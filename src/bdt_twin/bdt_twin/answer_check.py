@@ -74,12 +74,16 @@ class AnswerCheck:
         return reason
 
     def _unsure_because(self, uncertainty: float, levels: NoiseLevels) -> str:
-        is_hardly_explained = is_restless(levels, HARDLY_EXPLAINED)
-        is_first = is_hardly_explained and self._sure_before and not self._stated_before
-        if uncertainty > (FIRST_SHARE if is_first else 1.0) * self._largest:
-            return f"the gap remains unknown by {math.degrees(uncertainty):.3g} deg"
-        if is_hardly_explained and not self._sure_before:
-            return "the next window has to confirm the gap of a machine that is hardly explained"
+        unknown = f"unknown by {math.degrees(uncertainty):.3g} deg"
+        if uncertainty > self._largest:
+            return f"the gap remains {unknown}"
+        if is_restless(levels, HARDLY_EXPLAINED):
+            if not self._sure_before:
+                return (
+                    "the next window has to confirm the gap of a machine that is hardly explained"
+                )
+            if not self._stated_before and uncertainty > FIRST_SHARE * self._largest:
+                return f"the gap of a machine that is hardly explained remains {unknown}"
         return ""
 
     def _contradicting_because(
