@@ -15,7 +15,7 @@ from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.output_error_settings import OutputErrorSettings
 
-RATE, DURATION, COGS, TORQUE = 1000.0, 40.0, 12, 2e-3
+RATE, DURATION, COGS, TORQUE = 1000.0, 60.0, 12, 2e-3
 MOTOR = PlantModel().motor
 GROWTH_CHANGE = OutputErrorSettings().growth_change
 
@@ -24,7 +24,7 @@ GROWTH_CHANGE = OutputErrorSettings().growth_change
 def run_of(cogging):
     """Return estimator, estimates and true gaps of a motor without friction."""
     machine = UnknownMachine(cogging=cogging, cogs=float(COGS))
-    rows, gaps = record(machine, Run(duration=DURATION, sampling_rate=RATE, seed=3))
+    rows, gaps = record(machine, Run(duration=DURATION, sampling_rate=RATE, seed=2))
     estimator = OutputErrorEstimator(PlantModel(), OutputErrorSettings(), RATE)
     estimates = [estimator.update(batch) for batch in np.split(rows, round(DURATION))]
     return estimator, estimates, gaps
