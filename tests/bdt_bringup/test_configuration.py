@@ -76,8 +76,8 @@ def test_the_simulated_one_is_the_laboratory_with_a_twin_that_decides_by_simulat
     }
 
 
-def test_the_workshop_is_the_laboratory_with_an_everyday_machine():
-    differs = differences("workshop", "laboratory")
+def test_the_workshop_is_the_simulated_laboratory_with_an_everyday_machine():
+    differs = differences("workshop", "simulated")
     assert {node for node, _ in differs} == {"plant"}
     assert {name: value for (_, name), value in differs.items()} == {
         "sensor.delay": 2e-4,

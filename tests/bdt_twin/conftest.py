@@ -1,5 +1,6 @@
 """Recordings of the closed loop, the data of the twin's tests."""
 
+import threading
 from functools import cache
 from typing import NamedTuple
 
@@ -67,6 +68,20 @@ def growing_gap():
         ),
         duration,
     )
+
+
+LONGEST_WINDOW = 60.0
+"""Time [s] that a window may take on a busy machine."""
+
+
+@pytest.fixture(autouse=True)
+def nothing_goes_on_beside_the_next_test():
+    """Wait for a twin's window: its node does not, and the next test may count fits."""
+    yield
+    for thread in threading.enumerate():
+        if thread.name == "estimation":
+            thread.join(LONGEST_WINDOW)
+            assert not thread.is_alive()
 
 
 class Loop(NamedTuple):

@@ -20,7 +20,13 @@ EXPLAINED = NoiseLevels(1e-6, 0.9 * HARDLY_EXPLAINED * 1e-6, 1e-6, 0.0)
 HARDLY = NoiseLevels(1e-6, 1e-6, 1.1 * HARDLY_EXPLAINED * 1e-6, 0.0)
 
 
-def doubt(check, gap=KNOWN[0], uncertainty=SURE, expected=KNOWN, levels=EXPLAINED, **happened):
+def doubt(check, *gap, **more):
+    return whole_doubt(check, *gap, **more).reason
+
+
+def whole_doubt(
+    check, gap=KNOWN[0], uncertainty=SURE, expected=KNOWN, levels=EXPLAINED, **happened
+):
     happened = {"is_pushed": False, "is_surprised": False} | happened
     return check.doubt(gap, uncertainty, expected, levels, **happened)
 
@@ -106,3 +112,11 @@ def test_what_contradicts_has_to_be_repeated_not_to_be_another_contradiction(che
     # What was known before may turn out to be right as well.
     assert doubt(check) == ""
     assert "contradicts" in doubt(check, 2.2 * KNOWN[0])
+
+
+def test_a_gap_is_a_bound_all_the_same_where_it_is_only_not_sure_enough(check):
+    assert whole_doubt(check, uncertainty=UNSURE).is_of_uncertainty
+    assert whole_doubt(check, levels=HARDLY, expected=None).is_of_uncertainty
+    assert not whole_doubt(check, uncertainty=UNSURE, is_surprised=True).is_of_uncertainty
+    assert not whole_doubt(check, 2.0 * KNOWN[0]).is_of_uncertainty
+    assert not whole_doubt(check).is_of_uncertainty

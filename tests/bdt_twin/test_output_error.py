@@ -16,7 +16,7 @@ from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.structure import StructureParameters
 from bdt_twin import next_fit
-from bdt_twin.answer_check import AnswerCheck
+from bdt_twin.answer_check import AnswerCheck, Doubt
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.estimator import TelemetryRejectedError
 from bdt_twin.model_factors import FACTORS
@@ -250,7 +250,7 @@ def test_fits_begin_anew_only_where_windows_leave_the_gap_unknown(
 
     monkeypatch.setattr(next_fit, "fit_window", noted)
     if reason:
-        monkeypatch.setattr(AnswerCheck, "doubt", lambda *_, **__: reason)
+        monkeypatch.setattr(AnswerCheck, "doubt", lambda *_, **__: Doubt(reason))
     rows = closed_loop(PROFILES[0], 12.0).rows
     rows[:, 2] += np.random.default_rng(1).normal(0.0, 1e-6, len(rows))
     chosen = replace(CHOSEN, largest_uncertainty=largest)
@@ -258,6 +258,24 @@ def test_fits_begin_anew_only_where_windows_leave_the_gap_unknown(
     assert len(beginnings) > 2 * MOST_HELD
     assert beginnings[0]
     assert any(beginnings[MOST_HELD:]) is begins_anew
+
+
+def test_a_gap_too_unsure_for_an_answer_is_stated_with_its_uncertainty_as_long_as_nothing_is_known(
+    closed_loop,
+):
+    rows = measured(closed_loop(GROWING, 12.0).rows, 20e-6, 1e-7, 1)
+    sure = OutputErrorEstimator(PlantModel(), CHOSEN, RATE)
+    last = [sure.update(rows[second : second + 1000]) for second in range(0, len(rows), 1000)][-1]
+    assert not last.reason
+    chosen = replace(CHOSEN, largest_uncertainty=0.5 * last.uncertainty)
+    found = estimates_of(rows, chosen, seconds(rows))
+    assert all(each.reason for each in found)
+    rough = [each for each in found if each.is_known]
+    assert len(rough) >= 3
+    assert "the gap remains unknown by" in rough[-1].reason
+    for each in rough:
+        assert each.uncertainty >= chosen.largest_uncertainty
+        assert abs(each.gap - gap_at(GROWING, each.time)) < 3.5 * each.uncertainty
 
 
 @pytest.mark.parametrize("lost", [{12}, {7, 12, 13}])

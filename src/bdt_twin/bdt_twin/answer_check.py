@@ -1,6 +1,7 @@
 """Whether a gap that a fit has found is stated: a wrong answer that is sure is worse than none."""
 
 import math
+from typing import NamedTuple
 
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.noise_levels import is_restless
@@ -14,8 +15,23 @@ HARMLESS = math.radians(0.3)
 HARDLY_EXPLAINED = 8.0
 """Walk of the motor in a second, over the noise of a reading, from which on a first answer may be
 that of a fit which has not yet found the best one."""
-FIRST_SHARE = 0.6
+FIRST_SHARE = 0.5
 """Share of the largest uncertainty that such a machine's first answer may have."""
+
+
+class Doubt(NamedTuple):
+    """Why a gap is not stated.
+
+    Attributes
+    ----------
+    reason : str
+        Why; empty if it is stated.
+    is_of_uncertainty : bool
+        Whether it is just not sure enough; else something speaks against it.
+    """
+
+    reason: str = ""
+    is_of_uncertainty: bool = False
 
 
 class AnswerCheck:
@@ -45,8 +61,8 @@ class AnswerCheck:
         *,
         is_pushed: bool,
         is_surprised: bool,
-    ) -> str:
-        """Return why a gap is not stated; empty if it is.
+    ) -> Doubt:
+        """Return why a gap is not stated, if it is not.
 
         Parameters
         ----------
@@ -61,7 +77,7 @@ class AnswerCheck:
         is_surprised : bool
             Whether the newest data are explained worse than the others.
         """
-        reason = self._unsure_because(uncertainty, levels)
+        reason = unsure = self._unsure_because(uncertainty, levels)
         if not reason and is_surprised:
             reason = "the newest data are not explained yet"
         if not reason:
@@ -71,7 +87,7 @@ class AnswerCheck:
             )
         self._sure_before = uncertainty <= self._largest
         self._stated_before = not reason
-        return reason
+        return Doubt(reason, bool(unsure) and not is_surprised)
 
     def _unsure_because(self, uncertainty: float, levels: NoiseLevels) -> str:
         unknown = f"unknown by {math.degrees(uncertainty):.3g} deg"

@@ -28,8 +28,8 @@ class Estimate(NamedTuple):
     reversals : int
         Number of reversals of the lead screw's motion that the estimate rests on.
     reason : str
-        Why these samples taught nothing, so that the last estimate is kept with an uncertainty
-        that grows; empty when they did.
+        Why these samples gave no answer, so that what is known is kept with an uncertainty that
+        grows: the last answer, or a gap that was too unsure for one; empty when they did.
     age : float
         Time from `time` to the newest sample that was looked at [s]; 0 from an estimator that
         states the gap for its newest sample.

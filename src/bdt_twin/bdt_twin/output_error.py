@@ -18,6 +18,7 @@ from bdt_twin.cogging_trials import CoggingTrials
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import COMPILED
+from bdt_twin.gap_knowledge import GapKnowledge
 from bdt_twin.gap_of_fit import answered_reversals, gap_at, growth_at, growth_change_of
 from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
 from bdt_twin.machine_memory import MachineMemory, MachineRecollection
@@ -124,6 +125,7 @@ class OutputErrorEstimator:
         self._walks, self._growth_change = False, self._settings.growth_change
         self._predecessor: Predecessor | None = None
         self._check, self._held = AnswerCheck(self._settings.largest_uncertainty), 0
+        self._gap = GapKnowledge(self._settings.largest_uncertainty)
         self._machine = MachineMemory(self._model.motor)
         if self._recalled is not None:
             self._machine.recall(*self._recalled)
@@ -227,10 +229,10 @@ class OutputErrorEstimator:
         gap, uncertainty = gap_at(window, fit, at)
         growth, growth_uncertainty = growth_at(window, fit, at)
         is_surprised = leaves_newest_unexplained(window, fit)
-        unsure = self._check.doubt(
+        doubt = self._check.doubt(
             gap,
             uncertainty,
-            self._expected(stamp),
+            self._gap.expected(stamp, self._growth_change),
             fit.levels,
             is_pushed=bool(fit.pushed.any()),
             is_surprised=is_surprised,
@@ -242,8 +244,6 @@ class OutputErrorEstimator:
         self._predecessor = Predecessor(window, fit, growth) if follows else None
         if not follows:
             self._held = 0
-        if unsure:
-            return self._hold_estimate(time, unsure)
         gain = float(exponential(fit.unknowns.factors[FACTORS.index("gain")]))
         estimate = Estimate(
             time=stamp,
@@ -255,38 +255,22 @@ class OutputErrorEstimator:
             reversals=len(reversals),
             age=time - stamp,
         )
+        if doubt.reason:
+            if doubt.is_of_uncertainty:
+                self._gap.learn_roughly(estimate, self._growth_change)
+            return self._hold_estimate(time, doubt.reason)
         offset = self._machine.voltage_offset(fit.machine)
         if offset is not None:
             estimate = estimate._replace(
                 voltage_offset=offset.voltage, voltage_offset_uncertainty=offset.uncertainty
             )
+        self._gap.learn(estimate)
         self.last_fit = AcceptedFit(window, fit, estimate)
         # A gap that rises and falls is not held to the even growth of wear.
         self._growth_change = max(self._settings.growth_change, growth_change_of(window, fit))
         self._machine.learn(newest / self._rate, fit.machine)
         return estimate
 
-    def _expected(self, time: float) -> tuple[float, float] | None:
-        """Return gap and uncertainty [rad] at a time [s] as the last estimate tells them."""
-        if self.last_fit is None:
-            return None
-        last = self.last_fit.estimate
-        age = time - last.time
-        return last.gap + last.growth * age, self._grown_uncertainty(age)
-
-    def _grown_uncertainty(self, age: float) -> float:
-        """Return how unsure the last estimate is of the gap some time [s] later, if it grows on."""
-        if self.last_fit is None:
-            return math.inf
-        last = self.last_fit.estimate
-        change = self._growth_change * age * math.sqrt(max(age, 0.0) / 3)
-        return math.hypot(last.uncertainty, age * last.growth_uncertainty, change)
-
     def _hold_estimate(self, time: float, reason: str) -> Estimate:
-        """Return the last estimate, as unsure as it is for a window that ends at `time`."""
-        if self.last_fit is None:
-            return Estimate(time, math.nan, math.inf, reason=reason)
-        last = self.last_fit.estimate
-        age = time - last.time
-        uncertainty = math.hypot(self._grown_uncertainty(age), age * last.growth)
-        return last._replace(uncertainty=uncertainty, reason=reason, age=age)
+        """Return what is known of the gap, as unsure as it is for a window that ends at `time`."""
+        return self._gap.held(time, reason, self._growth_change)

@@ -29,6 +29,18 @@ def test_each_case_is_tried_with_each_twin_on_each_scenario(evaluation):
     assert jobs[-1].name == "harsh with inverse_filter, simulate, seed 8"
 
 
+def test_a_twin_that_is_not_told_how_to_decide_does_as_the_case_has_it(evaluation):
+    cases = CASES[0], replace(CASES[1], decision="simulate")
+    untold = replace(evaluation, cases=cases, twins=(Twin("output_error"), TWINS[0]), scenarios=1)
+    tried = {(job.case.name, job.twin) for job in untold.jobs(range(untold.trials))}
+    assert tried == {
+        ("clean", Twin("output_error", "equation_9")),
+        ("laboratory", Twin("output_error", "simulate")),
+        ("clean", TWINS[0]),
+        ("laboratory", TWINS[0]),
+    }
+
+
 def test_more_scenarios_only_add_trials(evaluation):
     more = replace(evaluation, scenarios=5)
     assert more.text == evaluation.text

@@ -21,7 +21,8 @@ def _add_arguments(parser: ArgumentParser) -> None:
         "--decision",
         action="append",
         choices=("equation_9", "simulate"),
-        help="how the twin decides on dead zone and gains; may be repeated (default: equation_9)",
+        help="how the twin decides on dead zone and gains; may be repeated "
+        "(default: as each case has it)",
     )
     parser.add_argument(
         "--cases",

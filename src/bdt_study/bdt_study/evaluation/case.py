@@ -35,6 +35,8 @@ class Case:
         Kind of gap profile; empty for any that grows smoothly or not at all.
     effects : MachineEffects
         What the machine has that the paper's mechanism has not, and the twin is not told of.
+    decision : str
+        How a twin decides that is not told how, as in its parameter ``decision.kind``.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Case:
     link: LinkSettings = PAPER_LINK
     gap: str = ""
     effects: MachineEffects = NO_EFFECTS
+    decision: str = "equation_9"
 
     @property
     def reading_error(self) -> float:

@@ -19,7 +19,6 @@ from bdt_study.evaluation.cases import CASES
 from bdt_study.evaluation.outcome import summarize_trials
 from bdt_study.evaluation.outcome_table import outcome_tables
 from bdt_study.evaluation.trial_job import Evaluation, FinishedTrial, Twin
-from bdt_twin.decision_settings import KINDS as DECISIONS
 from bdt_twin.estimator_choice import KINDS, EstimatorChoice, create_estimator
 from bdt_twin.inverse_filter import InverseFilterSettings
 from bdt_twin.output_error_settings import OutputErrorSettings
@@ -81,7 +80,7 @@ def _tell(
     trials = {
         (case.name, twin): [results[case.name, twin, seed] for seed in evaluation.seeds]
         for case in evaluation.cases
-        for twin in evaluation.twins
+        for twin in (each.in_case(case) for each in evaluation.twins)
     }
     outcomes = [
         summarize_trials(case, twin.kind, runs, twin.decision)
@@ -111,7 +110,7 @@ def _evaluation(options: argparse.Namespace) -> Evaluation:
             f"together at most {SEEDS}"
         )
     kinds = [_kind(kind) for kind in options.estimator or KINDS]
-    twins = [Twin(kind, how) for kind in kinds for how in options.decision or DECISIONS[:1]]
+    twins = [Twin(kind, how) for kind in kinds for how in options.decision or [""]]
     return Evaluation(tuple(cases), tuple(twins), options.seed, options.runs)
 
 

@@ -70,6 +70,7 @@ MACHINES = (
         LIMITED,
         name="everyday",
         description="a bit of everything: workshop.yaml, each effect by half or more",
+        decision="simulate",
         effects=MachineEffects(
             least=0.5,
             friction=8e-3,
@@ -92,6 +93,7 @@ MACHINES = (
         LIMITED,
         name="unknown_machine",
         description="all effects and all errors of the constants, from nothing to much",
+        decision="simulate",
         effects=MachineEffects(
             friction=0.04,
             stribeck=0.6,

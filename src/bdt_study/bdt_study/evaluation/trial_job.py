@@ -19,11 +19,15 @@ class Twin(NamedTuple):
     kind : str
         Its estimator.
     decision : str
-        How it decides on dead zone and gains.
+        How it decides on dead zone and gains; empty for what a case has.
     """
 
     kind: str
-    decision: str
+    decision: str = ""
+
+    def in_case(self, case: Case) -> "Twin":
+        """Return the twin as it is tried in a case."""
+        return Twin(self.kind, self.decision or case.decision)
 
     @property
     def label(self) -> str:
@@ -141,4 +145,5 @@ class Evaluation:
         for number in numbers:
             which, twin = divmod(number, len(self.twins))
             scenario, case = divmod(which, len(self.cases))
-            yield TrialJob(number, self.cases[case], self.twins[twin], self.seeds[scenario])
+            chosen = self.cases[case]
+            yield TrialJob(number, chosen, self.twins[twin].in_case(chosen), self.seeds[scenario])
