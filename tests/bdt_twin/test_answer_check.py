@@ -61,6 +61,17 @@ def test_where_a_machine_is_hardly_explained_answers_begin_surer_than_they_go_on
     assert "unknown by" in doubt(check, uncertainty=goes_on, levels=HARDLY)
 
 
+def test_a_machine_that_was_hardly_explained_is_so_until_its_next_answer(check):
+    goes_on = 0.99 * LARGEST
+    assert "confirm" in doubt(check, levels=HARDLY, expected=None)
+    assert "unknown by 0.99 deg" in doubt(check, uncertainty=goes_on, levels=EXPLAINED)
+    check.unexplained()
+    assert "confirm" in doubt(check, levels=EXPLAINED)
+    assert doubt(check, levels=EXPLAINED) == ""
+    check.unexplained()
+    assert doubt(check, uncertainty=goes_on, levels=EXPLAINED) == ""
+
+
 def test_where_it_is_explained_they_begin_as_they_go_on(check):
     assert doubt(check, uncertainty=0.99 * LARGEST, expected=None) == ""
 
@@ -116,7 +127,8 @@ def test_what_contradicts_has_to_be_repeated_not_to_be_another_contradiction(che
 
 def test_a_gap_is_a_bound_all_the_same_where_it_is_only_not_sure_enough(check):
     assert whole_doubt(check, uncertainty=UNSURE).is_of_uncertainty
-    assert whole_doubt(check, levels=HARDLY, expected=None).is_of_uncertainty
     assert not whole_doubt(check, uncertainty=UNSURE, is_surprised=True).is_of_uncertainty
     assert not whole_doubt(check, 2.0 * KNOWN[0]).is_of_uncertainty
     assert not whole_doubt(check).is_of_uncertainty
+    check.unexplained()
+    assert whole_doubt(check, levels=HARDLY, expected=None).is_of_uncertainty

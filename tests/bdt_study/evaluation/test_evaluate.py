@@ -176,6 +176,15 @@ def test_a_terminal_of_80_columns_shows_every_number_with_its_unit():
     assert {"avoidable", "settling", "[%]", "[s]", "[ms]"} <= set(shown)
 
 
+def test_a_figure_has_cases_that_decide_in_different_ways(in_this_process, tmp_path, capsys):
+    figure = tmp_path / "errors.svg"
+    arguments = ["--cases", "clean", "everyday", "--runs", "1", "--json", "--figure", str(figure)]
+    assert run_command(["evaluate", *arguments, "--estimator", "inverse_filter"]) == 0
+    cases = json.loads(capsys.readouterr().out)["cases"]
+    assert [case["decision"] for case in cases] == ["equation_9", "simulate"]
+    assert "everyday" in figure.read_text(encoding="utf-8")
+
+
 def test_both_ways_to_decide_are_compared_on_the_same_scenarios(in_this_process, capsys):
     arguments = ["--cases", "clean", "--runs", "1", "--json", "--estimator", "inverse_filter"]
     decisions = ["--decision", "equation_9", "--decision", "simulate"]

@@ -78,19 +78,19 @@ def _tell(
     """Print the table or JSON and draw the figure."""
     results = {(one.case, one.twin, one.seed): one.trial for one in finished}
     trials = {
-        (case.name, twin): [results[case.name, twin, seed] for seed in evaluation.seeds]
+        (case, twin): [results[case.name, twin.in_case(case), seed] for seed in evaluation.seeds]
         for case in evaluation.cases
-        for twin in (each.in_case(case) for each in evaluation.twins)
+        for twin in evaluation.twins
     }
     outcomes = [
-        summarize_trials(case, twin.kind, runs, twin.decision)
+        summarize_trials(case.name, twin.kind, runs, twin.in_case(case).decision)
         for (case, twin), runs in trials.items()
     ]
     if options.figure is not None:
         # Nothing else here needs the plotting library.
         from bdt_study.evaluation.figure import error_figure  # noqa: PLC0415
 
-        labelled = {(case, twin.label): runs for (case, twin), runs in trials.items()}
+        labelled = {(case.name, twin.label): runs for (case, twin), runs in trials.items()}
         try:
             error_figure(labelled).savefig(options.figure)
         except OSError as error:

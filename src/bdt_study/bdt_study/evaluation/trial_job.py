@@ -31,8 +31,9 @@ class Twin(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Name in figures: the estimator, and how it decides if that is not eq. 9."""
-        return self.kind if self.decision == DECISIONS[0] else f"{self.kind}, {self.decision}"
+        """Name in figures: the estimator, and how it decides if it is told so, and not eq. 9."""
+        is_usual = self.decision in ("", DECISIONS[0])
+        return self.kind if is_usual else f"{self.kind}, {self.decision}"
 
 
 class FinishedTrial(NamedTuple):
