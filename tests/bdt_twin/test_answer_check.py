@@ -61,17 +61,6 @@ def test_where_a_machine_is_hardly_explained_answers_begin_surer_than_they_go_on
     assert "unknown by" in doubt(check, uncertainty=goes_on, levels=HARDLY)
 
 
-def test_a_machine_that_was_hardly_explained_is_so_until_its_next_answer(check):
-    goes_on = 0.99 * LARGEST
-    assert "confirm" in doubt(check, levels=HARDLY, expected=None)
-    assert "unknown by 0.99 deg" in doubt(check, uncertainty=goes_on, levels=EXPLAINED)
-    check.unexplained()
-    assert "confirm" in doubt(check, levels=EXPLAINED)
-    assert doubt(check, levels=EXPLAINED) == ""
-    check.unexplained()
-    assert doubt(check, uncertainty=goes_on, levels=EXPLAINED) == ""
-
-
 def test_where_it_is_explained_they_begin_as_they_go_on(check):
     assert doubt(check, uncertainty=0.99 * LARGEST, expected=None) == ""
 

@@ -45,7 +45,7 @@ class AnswerCheck:
 
     def __init__(self, largest_uncertainty: float) -> None:
         self._largest = largest_uncertainty
-        self._sure_before = self._stated_before = self._was_hardly_explained = False
+        self._sure_before = self._stated_before = False
         self._contradiction = 0.0
 
     def unexplained(self) -> None:
@@ -77,8 +77,7 @@ class AnswerCheck:
         is_surprised : bool
             Whether the newest data are explained worse than the others.
         """
-        hardly = self._was_hardly_explained or is_restless(levels, HARDLY_EXPLAINED)
-        reason = unsure = self._unsure_because(uncertainty, hardly_explained=hardly)
+        reason = unsure = self._unsure_because(uncertainty, levels)
         if not reason and is_surprised:
             reason = "the newest data are not explained yet"
         if not reason:
@@ -88,15 +87,13 @@ class AnswerCheck:
             )
         self._sure_before = uncertainty <= self._largest
         self._stated_before = not reason
-        # One window in which it does not walk explains nothing of those before it.
-        self._was_hardly_explained = hardly and bool(reason)
         return Doubt(reason, bool(unsure) and not is_surprised)
 
-    def _unsure_because(self, uncertainty: float, *, hardly_explained: bool) -> str:
+    def _unsure_because(self, uncertainty: float, levels: NoiseLevels) -> str:
         unknown = f"unknown by {math.degrees(uncertainty):.3g} deg"
         if uncertainty > self._largest:
             return f"the gap remains {unknown}"
-        if hardly_explained:
+        if is_restless(levels, HARDLY_EXPLAINED):
             if not self._sure_before:
                 return (
                     "the next window has to confirm the gap of a machine that is hardly explained"
