@@ -18,21 +18,16 @@ class GapKnowledge:
     ----------
     largest_uncertainty : float
         Standard uncertainty above which a gap is no answer [rad].
-
-    Attributes
-    ----------
-    answer : Estimate or None
-        The last answer.
     """
 
     def __init__(self, largest_uncertainty: float) -> None:
         self._largest = largest_uncertainty
-        self.answer: Estimate | None = None
+        self._answer: Estimate | None = None
         self._rough: Estimate | None = None
 
     def learn(self, answer: Estimate) -> None:
         """Take an answer."""
-        self.answer, self._rough = answer, None
+        self._answer, self._rough = answer, None
 
     def learn_roughly(self, estimate: Estimate, growth_change: float) -> None:
         """Take a gap that is no answer, if it is surer than what is known.
@@ -49,19 +44,20 @@ class GapKnowledge:
         if rough.uncertainty > ROUGHEST * self._largest:
             return
         if _held(rough, now, growth_change) < self._surest(now, growth_change)[1]:
-            if self.answer is not None:
+            if self._answer is not None:
                 rough = rough._replace(
-                    voltage_offset=self.answer.voltage_offset,
-                    voltage_offset_uncertainty=self.answer.voltage_offset_uncertainty,
+                    voltage_offset=self._answer.voltage_offset,
+                    voltage_offset_uncertainty=self._answer.voltage_offset_uncertainty,
                 )
             self._rough = rough
 
     def expected(self, time: float, growth_change: float) -> tuple[float, float] | None:
         """Return gap and uncertainty [rad] at a time [s] as the last answer tells them."""
-        if self.answer is None:
+        if self._answer is None:
             return None
-        age = time - self.answer.time
-        return self.answer.gap + self.answer.growth * age, _grown(self.answer, age, growth_change)
+        answer = self._answer
+        age = time - answer.time
+        return answer.gap + answer.growth * age, _grown(answer, age, growth_change)
 
     def held(self, time: float, reason: str, growth_change: float) -> Estimate:
         """Return what is known, as unsure as it is for a window that has taught nothing.
@@ -82,7 +78,7 @@ class GapKnowledge:
 
     def _surest(self, time: float, growth_change: float) -> tuple[Estimate | None, float]:
         """Return what is surest at a time, with its uncertainty then [rad]."""
-        known = [each for each in (self.answer, self._rough) if each is not None]
+        known = [each for each in (self._answer, self._rough) if each is not None]
         if not known:
             return None, math.inf
         pairs = [(each, _held(each, time, growth_change)) for each in known]

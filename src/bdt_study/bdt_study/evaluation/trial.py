@@ -125,7 +125,7 @@ class InstrumentedEstimator:
                 self.bounds.append((estimate, bound))
 
 
-def run_trial(case: Case, kind: str, seed: int, decision: str = "equation_9") -> Trial:
+def run_trial(case: Case, kind: str, seed: int, decision: str = "") -> Trial:
     """Run one random scenario in closed loop.
 
     Parameters
@@ -137,8 +137,8 @@ def run_trial(case: Case, kind: str, seed: int, decision: str = "equation_9") ->
     seed : int
         Number of the scenario.
     decision : str
-        How the twin decides, as in its parameter ``decision.kind``; one that simulates may set the
-        gains that ``bdt tune`` recommends.
+        How the twin decides, as in its parameter ``decision.kind``; empty for what the case has.
+        One that simulates may set the gains that ``bdt tune`` recommends.
     """
     scenario = draw_scenario(case, seed)
     gap = scenario.gap
@@ -157,7 +157,7 @@ def run_trial(case: Case, kind: str, seed: int, decision: str = "equation_9") ->
         dead_zone,
         keep=("q3",),
         decision=DecisionSettings(
-            kind=decision, reconfigure_gains=True, voltage_limit=case.voltage_limit
+            kind=decision or case.decision, reconfigure_gains=True, voltage_limit=case.voltage_limit
         ),
         believed=PlantModel(),
         redesign=TUNED_GAINS,
