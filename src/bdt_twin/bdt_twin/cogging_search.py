@@ -14,17 +14,17 @@ from numpy.typing import NDArray
 
 from bdt_plant.compilation import compile_with_steps
 from bdt_plant.elementary_functions import FULL_TURN, sine_of_turns
-from bdt_plant.structure import StructureState
 from bdt_twin.fit_doubt import covariance_inflation, huber_weights
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import dot, product, weighted_products
-from bdt_twin.forward_model import StretchResponse, simulate_structure
+from bdt_twin.forward_model import StretchResponse
 from bdt_twin.information import inverse
 from bdt_twin.innovations import NoiseLevels, Whitening
 from bdt_twin.machine_knowledge import EFFECT_SPREAD, EFFECTS
 from bdt_twin.noise_levels import quiet
 from bdt_twin.resisted_model import rotated
 from bdt_twin.resisted_plant import COGGED_SPEED
+from bdt_twin.structure_responses import structure_responses
 from bdt_twin.window_loop import SMALLEST_SPEED
 from bdt_twin.window_model import WindowModel
 
@@ -100,17 +100,18 @@ def _weighted_slopes(
 
 def _wave_slopes(window: WindowModel, fit: Fit) -> FloatArray:
     """Return the slopes of the position for both parts of each wave, shape (2 waves, blocks)."""
-    step, at_rest = window.block_step(fit.unknowns), StructureState(0.0, 0.0, 0.0, 0.0)
-    per_volt = window.travel_per_volt(fit.unknowns)
+    step, per_volt = window.block_step(fit.unknowns), window.travel_per_volt(fit.unknowns)
     stretches = []
     for number, run in enumerate(fit.responses):
         turns = window.screw_turns(fit.unknowns, number)
-        rows = []
-        for index, (sine, cosine) in enumerate(_waves(run, window.block, window.block_rate)):
-            parts_of_wave = rotated(sine, cosine, -turns * (FEWEST_COGS + index))
-            rows += [simulate_structure(step, at_rest, -per_volt * part) for part in parts_of_wave]
-        stretches.append(np.array(rows))
-    return np.concatenate(stretches, axis=1)
+        waves = _waves(run, window.block, window.block_rate)
+        bases = [
+            -per_volt * part
+            for index, (sine, cosine) in enumerate(waves)
+            for part in rotated(sine, cosine, -turns * (FEWEST_COGS + index))
+        ]
+        stretches.append(structure_responses(step, np.stack(bases, axis=1)))
+    return np.concatenate(stretches).T
 
 
 def _waves(run: StretchResponse, block: int, block_rate: float) -> FloatArray:

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from bdt_plant.friction import frictional_motor_step
 from bdt_plant.motor import MotorState, motor_step
 from bdt_plant.plant import DiscretePlant, PlantState
-from bdt_plant.structure import DiscreteStructure, StructureState
+from bdt_plant.structure import StructureState
 from bdt_twin.resisted_plant import ResistedPlant
-from bdt_twin.window_loop import DRIVES, compiled_structure, compiled_window
+from bdt_twin.window_loop import DRIVES, compiled_window
 
 FloatArray = NDArray[np.float64]
 
@@ -162,42 +162,6 @@ def simulate_stretch(
         slow,
         contact,
     )
-
-
-def simulate_structure(
-    step: DiscreteStructure, state: StructureState, base: FloatArray
-) -> FloatArray:
-    """Return position q3 of platform 3 for a base that moves as given (eq. 3).
-
-    Parameters
-    ----------
-    step : DiscreteStructure
-        Discrete model for the spacing of `base`.
-    state : StructureState
-        State at the first instant.
-    base : ndarray, shape (n,)
-        Position d of the lead screw's end [m].
-    """
-    position = np.empty(base.size)
-    compiled_structure()(step, state, base, position)
-    return position
-
-
-def structure_after(
-    step: DiscreteStructure, state: StructureState, base: FloatArray
-) -> StructureState:
-    """Return the state of the structure at the last instant of a base that moves as given.
-
-    Parameters
-    ----------
-    step : DiscreteStructure
-        Discrete model for the spacing of `base`.
-    state : StructureState
-        State at the first instant.
-    base : ndarray, shape (n,)
-        Position d of the lead screw's end [m].
-    """
-    return StructureState(*compiled_structure()(step, state, base, np.empty(base.size)))
 
 
 def initial_state(

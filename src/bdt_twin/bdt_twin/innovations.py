@@ -23,9 +23,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from bdt_plant.structure import DiscreteStructure
 from bdt_twin.innovation_filter import STATES, compiled_gains, compiled_innovations
 
 FloatArray = NDArray[np.float64]
@@ -71,7 +70,7 @@ class DeviationModel:
 
     Parameters
     ----------
-    step : DiscreteStructure
+    step : array_like, shape (4, 6)
         The structure's model from block to block.
     block_time : float
         Duration of a block [s].
@@ -89,7 +88,7 @@ class DeviationModel:
     """
 
     def __init__(
-        self, step: DiscreteStructure, block_time: float, motions: Sequence[Motion]
+        self, step: ArrayLike, block_time: float, motions: Sequence[Motion]
     ) -> None:
         self.step, self.block_time = np.array(step), block_time
         self._fast, self._slow, self.contact = (

@@ -89,7 +89,7 @@ def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) 
 
 def block_model_with(
     model: PlantModel, factors: FloatArray, sample_time: float, block: int
-) -> tuple[FloatArray, DiscreteStructure]:
+) -> tuple[FloatArray, FloatArray]:
     """Return the structure's model from one block of samples to the next, interpolated.
 
     Parameters
@@ -107,13 +107,13 @@ def block_model_with(
     -------
     start : ndarray, shape (4, 4)
         Map from a state to its mean over the block that begins with it.
-    step : DiscreteStructure
-        Discrete model whose sample is a block.
+    step : ndarray, shape (4, 6)
+        Discrete structure whose sample is a block.
     """
     # The motor's gain has no part in it.
     of_structure = factors * np.array([0.0, 1.0, 1.0])
     numbers = _block_grid(model, sample_time, block).numbers_at(of_structure)
-    return numbers[:16].reshape(4, 4), DiscreteStructure(*_rows(numbers[16:], 4))
+    return numbers[:16].reshape(4, 4), numbers[16:].reshape(4, 6)
 
 
 class _Grid:
@@ -122,6 +122,7 @@ class _Grid:
     def __init__(self, make: Callable[[Point], FloatArray], origin: Any = None) -> None:
         self._make, self.origin = make, origin
         self._made: dict[Point, FloatArray] = {}
+        self._parabolas: dict[Point, list[tuple[FloatArray, FloatArray] | None]] = {}
 
     def numbers_at(self, factors: FloatArray) -> FloatArray:
         """Return numbers that are known on the grid, by parabolas along its axes.
@@ -131,23 +132,35 @@ class _Grid:
         """
         # A parabola is as good near its ends as in its middle: every other point will do for that.
         point = 2 * np.rint(factors / (2.0 * FACTOR_GRID)).astype(int)
-        middle = self._at(point)
-        numbers = middle.copy()
+        place: Point = tuple(point.tolist())
+        numbers = self._at(place).copy()
         for axis, off in enumerate((factors / FACTOR_GRID - point).tolist()):
             if off != 0.0:
-                side = np.eye(len(FACTORS), dtype=int)[axis]
-                ahead, behind = self._at(point + side), self._at(point - side)
-                numbers += 0.5 * off * (ahead - behind)
-                numbers += 0.5 * off * off * (ahead - 2 * middle + behind)
+                slope, curvature = self._parabola(place, axis)
+                numbers += 0.5 * off * slope
+                numbers += 0.5 * off * off * curvature
         return numbers
 
-    def _at(self, place: NDArray[np.int64]) -> FloatArray:
-        point: Point = tuple(place.tolist())
-        if point not in self._made:
+    def _parabola(self, place: Point, axis: int) -> tuple[FloatArray, FloatArray]:
+        """Return twice the slope and the curvature of the numbers along an axis."""
+        known = self._parabolas.setdefault(place, [None] * len(FACTORS))
+        parabola = known[axis]
+        if parabola is None:
+            ahead, behind = (
+                self._at((*place[:axis], place[axis] + side, *place[axis + 1 :]))
+                for side in (1, -1)
+            )
+            parabola = ahead - behind, ahead - 2 * self._at(place) + behind
+            known[axis] = parabola
+        return parabola
+
+    def _at(self, place: Point) -> FloatArray:
+        if place not in self._made:
             if len(self._made) == MOST_POINTS:
                 self._made.clear()
-            self._made[point] = self._make(point)
-        return self._made[point]
+                self._parabolas.clear()
+            self._made[place] = self._make(place)
+        return self._made[place]
 
 
 @lru_cache(maxsize=MOST_GRIDS)

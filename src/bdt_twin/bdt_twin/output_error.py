@@ -27,9 +27,10 @@ from bdt_twin.next_fit import AcceptedFit, next_fit
 from bdt_twin.noise_levels import is_walking
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.sensor_saturation import motor_travel_in_saturation
+from bdt_twin.structure_responses import compiled_responses
 from bdt_twin.telemetry_window import TelemetryWindow
 from bdt_twin.unexplained_window import unexplained
-from bdt_twin.window_loop import compiled_structure, compiled_window
+from bdt_twin.window_loop import compiled_window
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor
 from bdt_twin.window_search import leaves_newest_unexplained
@@ -38,7 +39,7 @@ FloatArray = NDArray[np.float64]
 
 LOOPS = (
     compiled_window,
-    compiled_structure,
+    compiled_responses,
     compiled_gains,
     compiled_innovations,
     compiled_waves,

@@ -12,7 +12,6 @@ from bdt_plant.plant import AT_REST, PlantModel, PlantState, discretize_plant, p
 from bdt_plant.resisted_motor import discretize_resisted_motor
 from bdt_plant.screw_load import ScrewLoad
 from bdt_plant.stribeck import friction_law
-from bdt_plant.structure import DiscreteStructure, StructureState, structure_step
 from bdt_twin.cog_wave import cog_wave
 from bdt_twin.resisted_plant import (
     COGGED_SPEED,
@@ -60,21 +59,6 @@ def compiled_window() -> Any:
         )
 
     return compile_with_steps(_window_loop, STEPS, signature)
-
-
-@cache
-def compiled_structure() -> Any:
-    """Return the loop over the instants of :func:`simulate_structure`, compiled."""
-
-    def signature() -> Any:
-        # Imported here, because it is absent on many a small computer.
-        numba = import_module("numba")
-        types, typeof = numba.types, numba.typeof
-        given = types.Array(types.float64, 1, "C", readonly=True)
-        signal = types.Array(types.float64, 1, "C")
-        return typeof(_model_step().plant.structure), typeof(AT_REST.structure), given, signal
-
-    return compile_with_steps(_structure_loop, [structure_step], signature)
 
 
 STEPS = (plant_step, resisted_plant_step, screw_force, slow_share, cog_wave)
@@ -195,17 +179,3 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         return found, travel
 
     return window_loop
-
-
-def _structure_loop(sources: str) -> Any:
-    def structure_loop(
-        step: DiscreteStructure, state: StructureState, base: FloatArray, position: FloatArray
-    ) -> StructureState:
-        _ = sources
-        for k in range(base.size):
-            if k > 0:
-                state = structure_step(state, base[k - 1], base[k], step)
-            position[k] = state.q3
-        return state
-
-    return structure_loop

@@ -8,14 +8,13 @@ from numpy.typing import NDArray
 from bdt_plant.elementary_functions import FULL_TURN, exponential
 from bdt_plant.plant import PlantModel
 from bdt_plant.structure import DiscreteStructure, StructureState
-from bdt_twin.effect_slopes import add_drive_slopes
+from bdt_twin.drive_bases import drive_bases
 from bdt_twin.fixed_order import dot, product, standard_deviation
 from bdt_twin.forward_model import (
     SlowMotion,
     StretchResponse,
     initial_state,
     simulate_stretch,
-    simulate_structure,
 )
 from bdt_twin.gap_samples import GapSamples
 from bdt_twin.innovations import DeviationModel, Motion
@@ -23,6 +22,7 @@ from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS, block_model_with, plant_step_with
 from bdt_twin.resisted_model import resisted_plant_with, with_cogs
 from bdt_twin.stretch import LEAD, Stretch
+from bdt_twin.structure_responses import structure_responses
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_loop import DRIVES
 
@@ -156,37 +156,64 @@ class WindowModel:
         The mean over a block of a linear model's response is the response to the input's mean,
         so the structure is simulated from block to block.
         """
-        knots, count = self.knots.size, sum(self._blocks)
-        jacobian = np.zeros((unknowns.as_vector().size, count))
-        start = 0
-        for number, (run, blocks) in enumerate(zip(responses, self._blocks, strict=True)):
-            columns = slice(start, start + blocks)
-            start += blocks
-            first = knots + len(FACTORS) + len(EFFECTS) + len(INITIAL_CONDITION) * number
-            self._add_play(jacobian[:, columns], first, number, unknowns, run)
-            self._add_structure(jacobian[:, columns], first, number, unknowns, run)
-            effects = knots + len(FACTORS)
-            rows = slice(effects, effects + len(EFFECTS))
-            self._add_effects(jacobian[rows, columns], number, unknowns, run)
-        return jacobian
+        shared = self.knots.size + len(FACTORS) + len(EFFECTS)
+        slopes = [
+            self._stretch_slopes(number, unknowns, run) for number, run in enumerate(responses)
+        ]
+        if len(slopes) == 1:
+            return slopes[0].T
+        jacobian = np.zeros((sum(self._blocks), unknowns.as_vector().size))
+        begin = 0
+        for number, (of_stretch, blocks) in enumerate(zip(slopes, self._blocks, strict=True)):
+            rows = slice(begin, begin + blocks)
+            begin += blocks
+            first = shared + len(INITIAL_CONDITION) * number
+            jacobian[rows, :shared] = of_stretch[:, :shared]
+            jacobian[rows, first : first + len(INITIAL_CONDITION)] = of_stretch[:, shared:]
+        return jacobian.T
 
-    def _add_effects(
-        self, jacobian: FloatArray, number: int, unknowns: Unknowns, run: StretchResponse
-    ) -> None:
-        """Add the rows of the machine's effects."""
-        _, step = self._by_blocks(unknowns.factors)
+    def _stretch_slopes(
+        self, number: int, unknowns: Unknowns, run: StretchResponse
+    ) -> FloatArray:
+        """Return the slopes of one stretch, shape (blocks, unknowns), its own beginning's last."""
+        knots, effects = self.knots.size, self.knots.size + len(FACTORS)
+        first = effects + len(EFFECTS)
+        count = first + len(INITIAL_CONDITION)
+        start, step = self._by_blocks(unknowns.factors)
+        # In the last two columns the structure is less stiff, and less damped.
+        bases = np.zeros((run.screw.size, count + 2))
+        states, steps = np.zeros((count + 2, len(start))), np.empty((count + 2, *step.shape))
+        steps[:] = step
+        self._write_play_bases(bases[:, :knots], number, unknowns, run)
+        half = 0.5 * self.gap_at(unknowns.gaps, self.stretches[number].first / self.sampling_rate)
+        moved, share = np.abs(run.side), float(unknowns.initial_conditions[number, 0])
+        # The angle of the motor begins at its place in the gap.
+        angle = run.motor + run.drives[DRIVES.index("gain")] - share * half
+        bases[:, knots], bases[:, first] = self.pitch * (angle * moved), self.pitch * half * moved
         turns = self.cogs * self.screw_turns(unknowns, number)
-        per_volt = self.travel_per_volt(unknowns)
-        moved = np.abs(run.side)
-        add_drive_slopes(jacobian, unknowns.effects, run.drives, turns, per_volt * moved, step)
+        travel = self.travel_per_volt(unknowns) * moved
+        bases[:, effects:first] = drive_bases(unknowns.effects, run.drives, turns, travel).T
+        state = unknowns.initial_conditions[number, INITIAL_CONDITION.index("q2") :]
+        changed = np.array([knots + 1, knots + 2, count, count + 1])
+        changes = FACTOR_CHANGE * np.array([[0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, -1]])
+        for column, change in zip(changed.tolist(), changes, strict=True):
+            changed_start, steps[column] = self._by_blocks(unknowns.factors + change)
+            states[column] = product(changed_start, state)
+            bases[:, column] = self.pitch * run.screw
+        states[first + INITIAL_CONDITION.index("q2") : count] = start.T
+        slopes = structure_responses(steps, bases, states)
+        ahead, behind = slopes[:, changed[:2]], slopes[:, changed[2:]]
+        slopes[:, changed[:2]] = (ahead - behind) / (2 * FACTOR_CHANGE)
         # The readings' own slope differs from the position's by what delay and drift add.
         slope = self._slope(run.position) - unknowns.effects[EFFECTS.index("drift")]
-        jacobian[EFFECTS.index("delay")] = -slope.reshape(-1, self.block).mean(axis=1)
-        blocks = np.arange(run.side.size)
-        jacobian[EFFECTS.index("drift")] = (blocks + 0.5 - 0.5 / self.block) / self.block_rate
+        slopes[:, effects + EFFECTS.index("delay")] = -slope.reshape(-1, self.block).mean(axis=1)
+        middles = np.arange(run.screw.size) + 0.5 - 0.5 / self.block
+        slopes[:, effects + EFFECTS.index("drift")] = middles / self.block_rate
+        slopes[:, first + INITIAL_CONDITION.index("offset")] = 1.0
+        return slopes[:, :count]
 
-    def block_step(self, unknowns: Unknowns) -> DiscreteStructure:
-        """Return the structure's model from block to block."""
+    def block_step(self, unknowns: Unknowns) -> FloatArray:
+        """Return the structure's model from block to block, shape (4, 6)."""
         return self._by_blocks(unknowns.factors)[1]
 
     def sample_step(self, unknowns: Unknowns) -> DiscreteStructure:
@@ -243,64 +270,25 @@ class WindowModel:
         gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
         return self.pitch * gain / self._model.motor.back_emf_constant
 
-    def _add_play(
-        self,
-        jacobian: FloatArray,
-        first: int,
-        number: int,
-        unknowns: Unknowns,
-        run: StretchResponse,
+    def _write_play_bases(
+        self, bases: FloatArray, number: int, unknowns: Unknowns, run: StretchResponse
     ) -> None:
-        """Add the rows that act through the angle of the screw: gap, gain, first contact."""
-        _, step = self._by_blocks(unknowns.factors)
-        base_of, at_rest = self.pitch, StructureState(0.0, 0.0, 0.0, 0.0)
-        moved = np.abs(run.side)
+        """Write how the gap at each knot moves the screw's end, shape (blocks, knots)."""
         begins = self.stretches[number].first
+        times = (begins + run.sample) / self.sampling_rate
+        spacing, last = self.knots[1] - self.knots[0], self.knots.size - 2
+        before = np.clip(((times - self.knots[0]) / spacing).astype(np.int64), 0, last)
+        per_gap, blocks = -0.5 * self.pitch * run.side, np.arange(times.size)
+        for knot in (before, before + 1):
+            distance = np.abs(times - self.knots[knot]) / spacing
+            bases[blocks, knot] = per_gap * np.maximum(1.0 - distance, 0.0)
+        # The motor begins at its place in the gap.
         share = float(unknowns.initial_conditions[number, 0])
         initial = self.weights(np.array([begins / self.sampling_rate]))[:, 0]
-        weights = self.weights((begins + run.sample) / self.sampling_rate)
-        for knot in range(self.knots.size):
-            acts = moved if initial[knot] else weights[knot]
-            if not acts.any():
-                continue
-            # Before that the structure rests.
-            begin = max(int((acts != 0.0).argmax()) - 1, 0)
-            turned = 0.5 * (share * initial[knot] * moved - run.side * weights[knot])[begin:]
-            jacobian[knot, begin:] = simulate_structure(step, at_rest, base_of * turned)
-        gap = dot(initial, unknowns.gaps)
-        # The angle of the motor begins at its place in the gap.
-        turned = (run.motor + run.drives[DRIVES.index("gain")] - 0.5 * share * gap) * moved
-        jacobian[self.knots.size] = simulate_structure(step, at_rest, base_of * turned)
-        jacobian[first] = simulate_structure(step, at_rest, base_of * 0.5 * gap * moved)
+        for knot in np.flatnonzero(initial).tolist():
+            bases[:, knot] += 0.5 * self.pitch * share * initial[knot] * np.abs(run.side)
 
-    def _add_structure(
-        self,
-        jacobian: FloatArray,
-        first: int,
-        number: int,
-        unknowns: Unknowns,
-        run: StretchResponse,
-    ) -> None:
-        """Add the rows of the structure's constants and of its initial state."""
-        knots, beginning = self.knots.size, unknowns.initial_conditions[number]
-        base = self.pitch * run.screw
-        for which in (1, 2):
-            ends = []
-            for change in (FACTOR_CHANGE, -FACTOR_CHANGE):
-                factors = unknowns.factors.copy()
-                factors[which] += change
-                start, step = self._by_blocks(factors)
-                state = StructureState(*product(start, beginning[2:]).tolist())
-                ends.append(simulate_structure(step, state, base))
-            jacobian[knots + which, :] = (ends[0] - ends[1]) / (2 * FACTOR_CHANGE)
-        jacobian[first + 1] = 1.0
-        start, step = self._by_blocks(unknowns.factors)
-        nothing = np.zeros(base.size)
-        for state_number, mean in enumerate(start.T):
-            free = simulate_structure(step, StructureState(*mean.tolist()), nothing)
-            jacobian[first + 2 + state_number] = free
-
-    def _by_blocks(self, factors: FloatArray) -> tuple[FloatArray, DiscreteStructure]:
+    def _by_blocks(self, factors: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the structure's model from block to block."""
         return block_model_with(self._model, factors, 1.0 / self.sampling_rate, self.block)
 

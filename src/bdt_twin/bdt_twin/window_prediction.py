@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from bdt_plant.structure import StructureState
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import mean
-from bdt_twin.forward_model import StretchResponse, structure_after
+from bdt_twin.forward_model import StretchResponse
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.noise_levels import is_restless
+from bdt_twin.structure_responses import structure_after
 from bdt_twin.unknowns import Unknowns
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_search import initial_conditions_at_rest

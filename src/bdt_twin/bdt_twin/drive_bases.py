@@ -1,10 +1,8 @@
-"""Slopes of the position with respect to the effects that act through the motor."""
+"""Bases of the structure for the slopes with respect to the effects that act through the motor."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.structure import DiscreteStructure, StructureState
-from bdt_twin.forward_model import simulate_structure
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.resisted_model import rotated
 from bdt_twin.window_loop import DRIVES
@@ -12,22 +10,15 @@ from bdt_twin.window_loop import DRIVES
 FloatArray = NDArray[np.float64]
 
 
-def add_drive_slopes(
-    jacobian: FloatArray,
-    effects: FloatArray,
-    drives: FloatArray,
-    cog_turns: float,
-    travel: FloatArray,
-    step: DiscreteStructure,
-) -> None:
-    """Write the rows of the effects that act through the motor.
+def drive_bases(
+    effects: FloatArray, drives: FloatArray, cog_turns: float, travel: FloatArray
+) -> FloatArray:
+    """Return how far each effect moves the screw's end, for a unit of it.
 
     The motor settles within milliseconds, so it turns as fast as the voltage tells.
 
     Parameters
     ----------
-    jacobian : ndarray, shape (effects, blocks)
-        Written.
     effects : ndarray, shape (effects,)
         ``machine_knowledge.EFFECTS``.
     drives : ndarray, shape (drives, blocks)
@@ -36,8 +27,11 @@ def add_drive_slopes(
         Part of a cog's period at which the stretch begins.
     travel : ndarray, shape (blocks,)
         Speed of the screw for a volt [m/(V s)], zero before it has moved.
-    step : DiscreteStructure
-        The structure's model from block to block.
+
+    Returns
+    -------
+    ndarray, shape (effects, blocks)
+        Zero for effects that do not act through the motor.
     """
     of = dict(zip(DRIVES, drives, strict=True))
     sine, cosine = rotated(of["cogging_sine"], of["cogging_cosine"], -cog_turns)
@@ -50,7 +44,7 @@ def add_drive_slopes(
         "cogging_sine": -sine,
         "cogging_cosine": -cosine,
     }
-    at_rest = StructureState(0.0, 0.0, 0.0, 0.0)
+    bases = np.zeros((len(EFFECTS), travel.size))
     for name, turned in acts.items():
-        if turned.any():
-            jacobian[EFFECTS.index(name)] = simulate_structure(step, at_rest, travel * turned)
+        bases[EFFECTS.index(name)] = travel * turned
+    return bases
