@@ -19,6 +19,24 @@ def test_memory_and_descriptors_that_a_process_takes_are_seen(tmp_path):
     assert after.descriptors == before.descriptors + 1
 
 
+def test_pages_of_a_file_that_it_reads_are_not_its_own(tmp_path):
+    """Whether those of a library count as private depends on who else has them at the moment."""
+    size = 8 * MEGABYTE
+    with (tmp_path / "file").open("wb") as file:
+        file.write(os.urandom(size))
+        # Until it is on the disk it would be a change of the file.
+        file.flush()
+        os.fsync(file.fileno())
+    before = usage_of(os.getpid())
+    with (
+        (tmp_path / "file").open("rb") as file,
+        mmap.mmap(file.fileno(), size, access=mmap.ACCESS_READ) as read,
+    ):
+        assert sum(read[:: mmap.PAGESIZE]) > 0
+        after = usage_of(os.getpid())
+    assert after.memory - before.memory < 0.1 * size
+
+
 def test_growth_is_that_of_the_median_whatever_single_samples_are():
     memory = [5, 5, 99, 5, 5, 6, 6, 6, 7, 7, 7, 7, 8, 8, 0, 8]
     usages = [Usage(float(number), one, 10, 4) for number, one in enumerate(memory)]

@@ -13,7 +13,8 @@ class Usage(NamedTuple):
     time : float
         Wall time [s], of any origin.
     memory : int
-        Memory that is its alone (USS) [byte].
+        Memory that it has written to and shares with nobody [byte]. Clean pages of files do not
+        count: they are private or shared as other processes that use the same libraries come and go.
     descriptors, threads : int
         Their number.
     """
@@ -28,7 +29,7 @@ def usage_of(pid: int) -> Usage:
     """Return what a process holds now."""
     process = Path("/proc") / str(pid)
     rows = (row.split() for row in (process / "smaps_rollup").read_text().splitlines())
-    private = sum(int(row[1]) for row in rows if row[0].startswith("Private_"))
+    private = sum(int(row[1]) for row in rows if row[0] in ("Private_Dirty:", "Swap:"))
     descriptors, threads = (len(list((process / name).iterdir())) for name in ("fd", "task"))
     return Usage(time.monotonic(), 1024 * private, descriptors, threads)
 
