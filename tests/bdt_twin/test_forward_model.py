@@ -8,18 +8,16 @@ from bdt_plant.gap_profile import GapProfile
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import AT_REST, PlantModel, Sampling, discretize_plant
 from bdt_plant.plant_simulator import PlantSimulator
-from bdt_plant.structure import StructureState, discretize_structure
 from bdt_twin.forward_model import (
     SMALLEST_TRAVEL,
     SlowMotion,
     initial_state,
     simulate_stretch,
-    simulate_structure,
 )
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.resisted_model import resisted_plant_with
-from bdt_twin.window_loop import compiled_structure, compiled_window
+from bdt_twin.window_loop import compiled_window
 
 RATE, BLOCK = 1000.0, 5
 STEP = resisted_plant_with(PlantModel(), np.zeros(len(FACTORS)), np.zeros(len(EFFECTS)), 1 / RATE)
@@ -67,13 +65,6 @@ def test_the_lag_stays_within_half_of_the_gap(closed_loop):
     assert np.abs(run.relative_angle).max() == pytest.approx(np.deg2rad(5.0))
 
 
-def test_a_structure_follows_a_base_that_stays(closed_loop):
-    step = discretize_structure(PlantModel().structure, 0.01)
-    position = simulate_structure(step, StructureState(0.0, 0.0, 0.0, 0.0), np.full(2000, 1e-3))
-    assert position[0] == 0.0
-    assert position[-1] == pytest.approx(1e-3, rel=1e-9)
-
-
 def test_the_motor_begins_at_the_speed_for_its_voltage():
     back_emf = PlantModel().motor.back_emf_constant
     state = initial_state(AT_REST.structure, 0.1, np.array([2.0]), back_emf, STEP.plant)
@@ -101,12 +92,10 @@ def test_without_numba_the_floats_are_the_same(closed_loop, monkeypatch):
     loop = closed_loop(duration=1.0, step_time=0.5)
     compiled = run_from_rest(loop)
     monkeypatch.setattr(compilation, "find_spec", lambda _: None)
-    for cached in (compiled_window, compiled_structure):
-        cached.cache_clear()
+    compiled_window.cache_clear()
     try:
         plain = run_from_rest(loop)
     finally:
-        for cached in (compiled_window, compiled_structure):
-            cached.cache_clear()
+        compiled_window.cache_clear()
     for name, first, second in zip(compiled._fields, compiled, plain, strict=True):
         assert np.array_equal(first, second), name

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bdt_plant.plant import PlantModel, discretize_plant
+from bdt_plant.quick_exponential import quick_exponential
 from bdt_twin import mechanism_ensemble
 from bdt_twin.decision_loop import HOLD
 from bdt_twin.estimator import Estimate
@@ -26,7 +27,7 @@ def ensemble(members):
 
 def test_the_first_mechanism_is_the_expected_one():
     first, *_ = ensemble(5).draw(ESTIMATE, None, 12.0, 14.0)
-    assert first.plant == discretize_plant(MODEL, 1.0 / (HOLD * RATE))
+    assert first.plant == discretize_plant(MODEL, 1.0 / (HOLD * RATE), quick_exponential)
     assert first.gap == pytest.approx(0.2 + 0.002 * 4.0)
     assert (first.disturbance, first.lag) == (0.0, 0)
 
@@ -58,7 +59,7 @@ def test_no_gap_is_negative():
 
 
 def test_constants_have_the_covariance_of_the_posterior(monkeypatch):
-    monkeypatch.setattr(mechanism_ensemble, "discretize_plant", lambda model, _period: model)
+    monkeypatch.setattr(mechanism_ensemble, "discretize_plant", lambda model, *_: model)
     spread = np.zeros(len(FACTORS) + len(EFFECTS))
     spread[:3] = 0.01, 0.02, 0.1
     knowledge = KNOWN._replace(covariance=np.diag(spread**2))

@@ -22,7 +22,8 @@ from bdt_twin.estimator import TelemetryRejectedError
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error import MOST_HELD, OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
-from bdt_twin.window_loop import compiled_structure, compiled_window
+from bdt_twin.structure_responses import compiled_responses
+from bdt_twin.window_loop import compiled_window
 
 RATE = 1000.0
 CHOSEN = OutputErrorSettings(window=10.0, update_period=1.0)
@@ -379,12 +380,12 @@ def test_without_numba_the_estimates_are_the_same(closed_loop, monkeypatch):
     chosen = replace(CHOSEN, window=3.0, update_period=1.0)
     compiled = estimates_of(rows, chosen, rate=500.0)
     monkeypatch.setattr(compilation, "find_spec", lambda _: None)
-    for cached in (compiled_window, compiled_structure):
+    for cached in (compiled_window, compiled_responses):
         cached.cache_clear()
     try:
         plain = estimates_of(rows, chosen, rate=500.0)
     finally:
-        for cached in (compiled_window, compiled_structure):
+        for cached in (compiled_window, compiled_responses):
             cached.cache_clear()
     assert plain[-1].gap == pytest.approx(compiled[-1].gap, rel=1e-9)
     assert plain[-1].is_known

@@ -1,7 +1,7 @@
 """Why a fit is less sure than its residual would be if it were white noise.
 
-What is left in the innovations that is not white says less than they are many, and where a machine
-has noise its levels are found from the same data.
+What is left in the innovations that is not white says less than they are many, and a short window
+has seen too little of what it cannot explain.
 """
 
 import math
@@ -16,12 +16,6 @@ from bdt_twin.noise_levels import HUBER, is_restless
 
 FloatArray = NDArray[np.float64]
 
-MACHINE_DOUBT = 1.3
-"""Factor by which uncertainties are larger where a machine has noise: its levels are found from the
-same data, and stick and slip is rarer and larger than what is normal."""
-
-RESTLESS_DOUBT = 1.3
-"""The same, once more, where the motor walks so much that something is not explained."""
 SHORT, SHORT_AND_RESTLESS = 3.0, 8.0
 """Time [s] in which a window has seen too little to know what it cannot explain, and the same where
 the motor walks a lot."""
@@ -78,10 +72,6 @@ def covariance_inflation(innovations: FloatArray, levels: NoiseLevels, rate: flo
     """
     bounded = np.clip(innovations, -HUBER, HUBER)
     inflation = variance_inflation(bounded, rate) * max(1.0, mean(np.square(bounded)))
-    if any(levels[1:]):
-        inflation *= MACHINE_DOUBT * MACHINE_DOUBT
-    time, short = innovations.size / rate, SHORT
-    if is_restless(levels):
-        inflation *= RESTLESS_DOUBT * RESTLESS_DOUBT
-        short = SHORT_AND_RESTLESS
+    time = innovations.size / rate
+    short = SHORT_AND_RESTLESS if is_restless(levels) else SHORT
     return inflation * (1.0 + (short / time) * (short / time))

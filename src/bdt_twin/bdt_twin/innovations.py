@@ -87,9 +87,7 @@ class DeviationModel:
         One where a stretch begins, and where the motor moves the screw; else zero.
     """
 
-    def __init__(
-        self, step: ArrayLike, block_time: float, motions: Sequence[Motion]
-    ) -> None:
+    def __init__(self, step: ArrayLike, block_time: float, motions: Sequence[Motion]) -> None:
         self.step, self.block_time = np.array(step), block_time
         self._fast, self._slow, self.contact = (
             np.concatenate(parts) for parts in zip(*motions, strict=True)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.plant import PlantModel, discretize_plant
+from bdt_plant.quick_exponential import quick_exponential
 from bdt_twin.decision_loop import HOLD, Member
 from bdt_twin.estimator import Estimate
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
@@ -69,7 +70,7 @@ class MechanismEnsemble:
             model, disturbance, delay = self._machine(estimate, machine, draw[:-2])
             members.append(
                 Member(
-                    discretize_plant(model, self._period),
+                    discretize_plant(model, self._period, quick_exponential),
                     gap,
                     disturbance,
                     max(round(delay / self._period), 0),

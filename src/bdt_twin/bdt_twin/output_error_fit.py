@@ -126,6 +126,7 @@ class WindowFit:
             Prediction error [m].
         """
         point, simulated, searches, error = self._at(unknowns), 1, 0, math.inf
+        is_searched = False
         for number in range(1, steps + 1):
             if simulated >= simulations:
                 break
@@ -145,16 +146,9 @@ class WindowFit:
                 if simulated >= patience and error > enough:
                     break
                 whitening = point.whitening(levels, PUSHED)
-            step = self._step(point, whitening)
-            vector = point.unknowns.as_vector()
-            before, after = self._cost(point, whitening.innovations), math.inf
-            for _ in range(min(1 + HALVINGS, simulations - simulated)):
-                trial = self._at(point.unknowns.from_vector(vector + step))
-                simulated += 1
-                after = self._cost(trial, whitening.apply(trial.residual[None, :])[0])
-                if after <= before:
-                    break
-                step = 0.5 * step
+            before, most = self._cost(point, whitening.innovations), simulations - simulated
+            trial, after, tried = self._descend(point, whitening, before, min(1 + HALVINGS, most))
+            simulated, is_searched = simulated + tried, False
             if after <= before:
                 point = trial
             if after > before or (
@@ -164,10 +158,25 @@ class WindowFit:
                     break
                 # Other levels of noise have another best fit.
                 levels, settled_error = self._levels(point, levels, MOST_LEVELS)
-                searches += 1
+                searches, is_searched = searches + 1, True
                 if searches == MOST_SEARCHES or settled_error > LEVELS_AGREE * error:
                     break
-        return self._result(point, simulated, levels)
+        return self._result(point, simulated, levels, is_searched=is_searched)
+
+    def _descend(
+        self, point: _Point, whitening: Whitening, before: float, most: int
+    ) -> tuple[_Point, float, int]:
+        """Return the last point tried on the way of a step, its cost, and how many were tried.
+
+        The step is halved until the cost is no larger than `before`, or `most` points were tried.
+        """
+        step, vector, tried = self._step(point, whitening), point.unknowns.as_vector(), 0
+        while True:
+            trial = self._at(point.unknowns.from_vector(vector + 0.5**tried * step))
+            after = self._cost(trial, whitening.apply(trial.residual[None, :])[0])
+            tried += 1
+            if after <= before or tried == most:
+                return trial, after, tried
 
     def _at(self, unknowns: Unknowns) -> _Point:
         responses = self._window.simulate(unknowns)
@@ -186,6 +195,7 @@ class WindowFit:
         )
 
     def _step(self, point: _Point, whitening: Whitening) -> FloatArray:
+        """Return Gauss and Newton's step."""
         jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))
         weights = huber_weights(whitening.innovations)
         information = fisher_information(jacobian, weights) + self._prior_at(point.unknowns)
@@ -214,15 +224,17 @@ class WindowFit:
         prior[:count, :count] += weighted_products(self._changes.T, weights)
         return prior
 
-    def _result(self, point: _Point, simulations: int, levels: NoiseLevels | None) -> Fit:
+    def _result(
+        self, point: _Point, simulations: int, levels: NoiseLevels | None, *, is_searched: bool
+    ) -> Fit:
         residual = max(SMALLEST_NOISE, robust_deviation(point.residual))
         if levels is None:
             levels, error = NoiseLevels(residual), residual
             whitening = point.whitening(levels)
         else:
             # A walk that the search had no time for makes a wrong answer sure.
-            walks = is_walking(levels, self._window.motion)
-            levels, error = self._levels(point, levels, MOST_LEVELS if walks else 1)
+            is_unsure = is_walking(levels, self._window.motion) and not is_searched
+            levels, error = self._levels(point, levels, MOST_LEVELS if is_unsure else 1)
             whitening = point.whitening(levels, PUSHED)
         innovations = whitening.innovations
         jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))

@@ -172,9 +172,7 @@ class WindowModel:
             jacobian[rows, first : first + len(INITIAL_CONDITION)] = of_stretch[:, shared:]
         return jacobian.T
 
-    def _stretch_slopes(
-        self, number: int, unknowns: Unknowns, run: StretchResponse
-    ) -> FloatArray:
+    def _stretch_slopes(self, number: int, unknowns: Unknowns, run: StretchResponse) -> FloatArray:
         """Return the slopes of one stretch, shape (blocks, unknowns), its own beginning's last."""
         knots, effects = self.knots.size, self.knots.size + len(FACTORS)
         first = effects + len(EFFECTS)
