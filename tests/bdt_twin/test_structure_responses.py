@@ -1,6 +1,7 @@
 """Structures side by side move as the plant's own one does, each for itself."""
 
 from functools import reduce
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ LENGTHS = st.floats(-1e-2, 1e-2)
 def states_one_by_one(step, state, base):
     """Return the states by the plant's step, the first one included."""
     states = [state]
-    for before, after in zip(base, base[1:], strict=False):
+    for before, after in pairwise(base):
         states.append(structure_step(states[-1], float(before), float(after), step))
     return states
 

@@ -14,7 +14,7 @@ class Usage(NamedTuple):
         Wall time [s], of any origin.
     memory : int
         Memory that it has written to and shares with nobody [byte]. Clean pages of files do not
-        count: they are private or shared as other processes that use the same libraries come and go.
+        count: they are private or shared as others who use the same libraries come and go.
     descriptors, threads : int
         Their number.
     """

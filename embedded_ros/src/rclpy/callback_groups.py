@@ -16,7 +16,8 @@ class CallbackGroup:
 
     def add_entity(self, entity: Any) -> None:
         """Put an entity into the group."""
-        self.entities.add(weakref.ref(entity))
+        # A node that makes a timer for each request would fill the memory with dead references.
+        self.entities.add(weakref.ref(entity, self.entities.discard))
 
     def has_entity(self, entity: Any) -> bool:
         """Tell whether an entity is in the group."""

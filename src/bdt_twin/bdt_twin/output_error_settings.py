@@ -55,7 +55,7 @@ class OutputErrorSettings:
         1.0, "s", "shortest data between two holes that are used", minimum=0.1, maximum=1e3
     )
     largest_uncertainty: float = quantity(
-        float(np.deg2rad(1.0)),
+        float(np.deg2rad(0.75)),
         "rad",
         "standard uncertainty of the gap above which a window has taught nothing",
         minimum=1e-6,

@@ -39,7 +39,7 @@ WORSE = 2.0
 QUIETER_ERROR = 1.1
 """Growth of the prediction error for which a motor that rested is thought to walk again."""
 WORSE_PLACE = 1.01
-"""Growth of the prediction error for which a motor that walks may have begun elsewhere in its gap."""
+"""Growth of the prediction error for which a motor that walks may begin elsewhere in its gap."""
 
 
 def initial_conditions_at_rest(window: WindowModel) -> FloatArray:
