@@ -11,7 +11,6 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
-from rclpy.timer import Timer
 
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.topics import DEAD_ZONE_PARAMETER, DIAGNOSTICS
@@ -67,19 +66,21 @@ class ControllerAccount:
         is_in_doubt: Callable[[str], bool],
         take: Callable[[Account], object],
     ) -> None:
-        self._node, self._timeout, self._names = node, timeout, list(names)
+        self._names = list(names)
         self._is_in_doubt, self._take = is_in_doubt, take
         self._controller = full_name(node, controller)
         self._client = AsyncParameterClient(node, controller)
         self._answer: Future[GetParameters.Response] | None = None
-        self._timer: Timer | None = None
+        # Made once: rclpy never forgets quite all of a timer that was destroyed.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._deadline = node.create_timer(timeout, self._forget, clock=steady, autostart=False)
         node.create_subscription(
             DiagnosticArray, DIAGNOSTICS.name, self._hear, qos_profile(DIAGNOSTICS)
         )
 
     def close(self) -> None:
         """Take no answer any more: the executor may still have one when the node is gone."""
-        self._forget()
+        self._cancel_answer()
 
     def _hear(self, message: DiagnosticArray) -> None:
         for status in message.status:
@@ -95,8 +96,7 @@ class ControllerAccount:
             return
         self._answer = self._client.get_parameters(self._names)
         self._answer.add_done_callback(lambda answer: self._take_answer(set_by, answer))
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timer = self._node.create_timer(self._timeout, self._forget, clock=steady)
+        self._deadline.reset()
 
     def _take_answer(self, set_by: str, answer: "Future[GetParameters.Response]") -> None:
         if answer is not self._answer or answer.cancelled():
@@ -114,12 +114,13 @@ class ControllerAccount:
             self._take(Account(set_by, values))
 
     def _forget(self) -> None:
+        self._cancel_answer()
+        self._deadline.cancel()
+
+    def _cancel_answer(self) -> None:
         answer, self._answer = self._answer, None
         if answer is not None and not answer.done():
             answer.cancel()
-        if self._timer is not None:
-            self._node.destroy_timer(self._timer)
-            self._timer = None
 
 
 def _is_number(value: ParameterValue) -> bool:

@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping, Sequence
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.timer import Timer
 
 from bdt_msgs_py.rejection import MessageRejectedError
 from bdt_msgs_py.topics import (
@@ -65,7 +64,8 @@ class DeadZoneDelivery:
         self._node, self._reconfigurator = node, reconfigurator
         self._progressed = progressed
         self._settings = settings
-        self._arrival_timer: Timer | None = None
+        # Made once: rclpy never forgets quite all of a timer that was destroyed.
+        self._arrival = node.create_timer(1.0, self.deliver, autostart=False)
         self._gain_names, self._is_own, self._has_adopted = gain_names, False, False
         controller, timeout = settings.controller_node, settings.service_timeout
         self.requests = DeadZoneRequests(node, controller, timeout, self._request_ended)
@@ -94,7 +94,7 @@ class DeadZoneDelivery:
         self._is_own = self._has_adopted = False
         self._reconfigurator.restart()
         self.requests.drop()
-        self._destroy_arrival_timer()
+        self._arrival.cancel()
 
     def close(self) -> None:
         """Take no answer any more: the node is about to go."""
@@ -120,10 +120,11 @@ class DeadZoneDelivery:
             self._watch.request(arrived)
             self.requests.send(arrived)
             return
-        self._destroy_arrival_timer()
+        self._arrival.cancel()
         due = self._reconfigurator.next_due()
         if due is not None:
-            self._arrival_timer = self._node.create_timer((due - now) * 1e-9, self.deliver)
+            self._arrival.timer_period_ns = due - now
+            self._arrival.reset()
 
     def resume(self, kept: TwinState) -> None:
         """Go on from what was in force when a twin ended; a controller of then has it still."""
@@ -198,11 +199,6 @@ class DeadZoneDelivery:
                 f"{text}: the next estimate sets it again while reconfigure is true",
                 throttle_duration_sec=1.0,
             )
-
-    def _destroy_arrival_timer(self) -> None:
-        if self._arrival_timer is not None:
-            self._node.destroy_timer(self._arrival_timer)
-            self._arrival_timer = None
 
 
 def _differ(values: Mapping[str, float], in_force: Reconfiguration) -> bool:

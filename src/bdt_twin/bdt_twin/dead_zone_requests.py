@@ -11,7 +11,6 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
-from rclpy.timer import Timer
 
 from bdt_msgs_py.topics import (
     DEAD_ZONE_PARAMETER,
@@ -73,11 +72,13 @@ class DeadZoneRequests:
         timeout: float,
         ended: Callable[[Reconfiguration | None], object],
     ) -> None:
-        self._node, self._name, self._timeout, self._ended = node, controller, timeout, ended
+        self._node, self._name, self._ended = node, controller, ended
         self._controller = full_name(node, controller)
         self._client = AsyncParameterClient(node, controller)
-        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timers: list[Timer] = []
+        # Made once: rclpy never forgets quite all of a timer that was destroyed.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._deadline = node.create_timer(timeout, self._give_up, clock=steady, autostart=False)
+        self._look = node.create_timer(LOOK_PERIOD, self._ask, clock=steady, autostart=False)
         self._answer: Future[Response] | None = None
         self._publishers: set[Life] = set()
         self._asked: set[Life] = set()
@@ -90,13 +91,13 @@ class DeadZoneRequests:
     def send(self, reconfiguration: Reconfiguration) -> None:
         """Ask the controller for a dead zone, and for what goes with it."""
         self.in_flight, self._is_dropped = reconfiguration, False
-        self._timers = [self._node.create_timer(self._timeout, self._give_up, clock=self._steady)]
+        self._deadline.reset()
         self._ask()
         self._look_for_service()
 
     def _look_for_service(self) -> None:
         if self._answer is None:
-            self._timers += [self._node.create_timer(LOOK_PERIOD, self._ask, clock=self._steady)]
+            self._look.reset()
 
     def controller_appeared(self) -> bool:
         """Tell whether there is a controller that was not there when this was asked before.
@@ -143,8 +144,7 @@ class DeadZoneRequests:
 
     def close(self) -> None:
         """Take no answer any more: the executor may still have one when the node is gone."""
-        answer = self._answer
-        self._clear()
+        answer, self._answer, self.in_flight = self._answer, None, None
         if answer is not None and not answer.done():
             answer.cancel()
 
@@ -223,6 +223,8 @@ class DeadZoneRequests:
         self._ask()
 
     def _give_up(self) -> None:
+        if self.in_flight is None:
+            return
         if self._answer is not None:
             self._answer.cancel()
         self._is_there = False
@@ -239,9 +241,8 @@ class DeadZoneRequests:
 
     def _clear(self) -> None:
         self.in_flight = self._answer = None
-        for timer in self._timers:
-            self._node.destroy_timer(timer)
-        self._timers = []
+        self._deadline.cancel()
+        self._look.cancel()
 
 
 def _result_of(response: Response | None) -> SetParametersResult | None:
