@@ -157,9 +157,7 @@ class WindowModel:
         so the structure is simulated from block to block.
         """
         shared = self.knots.size + len(FACTORS) + len(EFFECTS)
-        slopes = [
-            self._stretch_slopes(number, unknowns, run) for number, run in enumerate(responses)
-        ]
+        slopes = [self._stretch_slopes(*each, unknowns) for each in enumerate(responses)]
         if len(slopes) == 1:
             return slopes[0].T
         jacobian = np.zeros((sum(self._blocks), unknowns.as_vector().size))
@@ -172,7 +170,7 @@ class WindowModel:
             jacobian[rows, first : first + len(INITIAL_CONDITION)] = of_stretch[:, shared:]
         return jacobian.T
 
-    def _stretch_slopes(self, number: int, unknowns: Unknowns, run: StretchResponse) -> FloatArray:
+    def _stretch_slopes(self, number: int, run: StretchResponse, unknowns: Unknowns) -> FloatArray:
         """Return the slopes of one stretch, shape (blocks, unknowns), its own beginning's last."""
         knots, effects = self.knots.size, self.knots.size + len(FACTORS)
         first = effects + len(EFFECTS)
