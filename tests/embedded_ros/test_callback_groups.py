@@ -1,4 +1,4 @@
-"""Callback groups forget what is gone: a node may make and destroy timers for as long as it runs."""
+"""Callback groups forget what is gone: a node may make and destroy timers as long as it runs."""
 
 import gc
 
