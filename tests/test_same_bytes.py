@@ -58,8 +58,8 @@ CASES = {"paper": ("paper", {}), "laboratory": ("laboratory", {}), "harsh": ("la
 
 DIGESTS = {
     "paper": "86982255de2973a01f084118fc8da64411f8282c6bf96c5512c1ee828a9d95f0",
-    "laboratory": "305ce0d0feb191013c0c21830aca74d43804f62176bbab9fcb5e85a03bf61c0d",
-    "harsh": "d196f59406b470a1e07b9d3969a9295b928e5149f8b39d97af5e6b3c72d91732",
+    "laboratory": "b099bbf4a94ad739db3d51d278dbd4fd170ae64a2e9f3d9c43b2c5dd6f0e1d6f",
+    "harsh": "2be185e65d51c0fe59d0cc4f030bc8679ad6d046f2b458df1b3d128b2762c267",
 }
 """SHA-256 of 30 simulated seconds: voltage, position, reading, dead zone and estimates."""
 

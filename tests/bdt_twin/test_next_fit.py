@@ -36,8 +36,8 @@ def fits(monkeypatch):
     return made
 
 
-@pytest.mark.parametrize(("much", "newcomers"), [(math.inf, MOST_NEWCOMERS), (0, 0)])
-def test_effects_join_one_after_the_other_and_wait_where_a_fit_takes_long(
+@pytest.mark.parametrize(("much", "newcomers"), [(math.inf, MOST_NEWCOMERS), (0, 1)])
+def test_effects_join_one_after_the_other_and_one_only_where_a_fit_takes_long(
     closed_loop, monkeypatch, fits, much, newcomers
 ):
     monkeypatch.setattr(module, "MUCH_WORK", much)

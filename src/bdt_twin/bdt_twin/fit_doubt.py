@@ -16,6 +16,9 @@ from bdt_twin.noise_levels import HUBER, is_restless
 
 FloatArray = NDArray[np.float64]
 
+MACHINE_DOUBT = 1.3
+"""Factor by which uncertainties are larger where a machine has a little noise: its levels are found
+from the same data, and small ones are hardly told from none."""
 SHORT, SHORT_AND_RESTLESS = 3.0, 8.0
 """Time [s] in which a window has seen too little to know what it cannot explain, and the same where
 the motor walks a lot."""
@@ -72,6 +75,9 @@ def covariance_inflation(innovations: FloatArray, levels: NoiseLevels, rate: flo
     """
     bounded = np.clip(innovations, -HUBER, HUBER)
     inflation = variance_inflation(bounded, rate) * max(1.0, mean(np.square(bounded)))
-    time = innovations.size / rate
-    short = SHORT_AND_RESTLESS if is_restless(levels) else SHORT
+    time, short = innovations.size / rate, SHORT
+    if is_restless(levels):
+        short = SHORT_AND_RESTLESS
+    elif any(levels[1:]):
+        inflation *= MACHINE_DOUBT * MACHINE_DOUBT
     return inflation * (1.0 + (short / time) * (short / time))

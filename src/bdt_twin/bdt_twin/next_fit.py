@@ -14,8 +14,8 @@ from bdt_twin.window_search import fit_window
 
 MOST_NEWCOMERS = 2
 """Effects that may join the unknowns in one window; each takes another fit."""
-MUCH_WORK = 500_000
-"""Simulated samples after which an effect joins in the next window only."""
+MUCH_WORK = 1_000_000
+"""Simulated samples after which a second effect joins in the next window only."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +82,8 @@ def next_fit(
     known = machine.before(begins)
     fit = fit_window(window, growth_change, known, predicted, error, levels, otherwise)
     simulations = fit.simulations
-    for _ in range(MOST_NEWCOMERS):
-        if simulations * window.samples > MUCH_WORK:
+    for newcomers in range(MOST_NEWCOMERS):
+        if newcomers and simulations * window.samples > MUCH_WORK:
             break
         levels = fit.levels
         if machine.has_evidence(fit.evidence, fit.machine):

@@ -126,7 +126,6 @@ class WindowFit:
             Prediction error [m].
         """
         point, simulated, searches, error = self._at(unknowns), 1, 0, math.inf
-        is_searched = False
         for number in range(1, steps + 1):
             if simulated >= simulations:
                 break
@@ -148,7 +147,7 @@ class WindowFit:
                 whitening = point.whitening(levels, PUSHED)
             before, most = self._cost(point, whitening.innovations), simulations - simulated
             trial, after, tried = self._descend(point, whitening, before, min(1 + HALVINGS, most))
-            simulated, is_searched = simulated + tried, False
+            simulated += tried
             if after <= before:
                 point = trial
             if after > before or (
@@ -158,10 +157,10 @@ class WindowFit:
                     break
                 # Other levels of noise have another best fit.
                 levels, settled_error = self._levels(point, levels, MOST_LEVELS)
-                searches, is_searched = searches + 1, True
+                searches += 1
                 if searches == MOST_SEARCHES or settled_error > LEVELS_AGREE * error:
                     break
-        return self._result(point, simulated, levels, is_searched=is_searched)
+        return self._result(point, simulated, levels)
 
     def _descend(
         self, point: _Point, whitening: Whitening, before: float, most: int
@@ -224,17 +223,15 @@ class WindowFit:
         prior[:count, :count] += weighted_products(self._changes.T, weights)
         return prior
 
-    def _result(
-        self, point: _Point, simulations: int, levels: NoiseLevels | None, *, is_searched: bool
-    ) -> Fit:
+    def _result(self, point: _Point, simulations: int, levels: NoiseLevels | None) -> Fit:
         residual = max(SMALLEST_NOISE, robust_deviation(point.residual))
         if levels is None:
             levels, error = NoiseLevels(residual), residual
             whitening = point.whitening(levels)
         else:
             # A walk that the search had no time for makes a wrong answer sure.
-            is_unsure = is_walking(levels, self._window.motion) and not is_searched
-            levels, error = self._levels(point, levels, MOST_LEVELS if is_unsure else 1)
+            walks = is_walking(levels, self._window.motion)
+            levels, error = self._levels(point, levels, MOST_LEVELS if walks else 1)
             whitening = point.whitening(levels, PUSHED)
         innovations = whitening.innovations
         jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))

@@ -38,8 +38,6 @@ WORSE = 2.0
 """Growth of the residual from window to window that makes the fit begin anew."""
 QUIETER_ERROR = 1.1
 """Growth of the prediction error for which a motor that rested is thought to walk again."""
-WORSE_PLACE = 1.01
-"""Growth of the prediction error for which a motor that walks may begin elsewhere in its gap."""
 
 
 def initial_conditions_at_rest(window: WindowModel) -> FloatArray:
@@ -103,7 +101,7 @@ def fit_window(
     if may_rest and followed.prediction_error > QUIETER_ERROR * error:
         walking = problem.solve(predicted, FINE, ROUGH_SIMULATIONS, levels=levels)
         followed = _better(followed, walking)
-    if may_rest and followed.prediction_error > WORSE_PLACE * error:
+    if may_rest and followed.prediction_error > error:
         # Where a motor that walks is in its gap was a guess already, and may be a wrong one.
         begun = _in_the_middle_of_the_gap(predicted)
         middle = problem.solve(begun, FINE, ROUGH_SIMULATIONS, levels=first)
