@@ -16,9 +16,9 @@ from bdt_twin.noise_levels import HUBER, is_restless
 
 FloatArray = NDArray[np.float64]
 
-MACHINE_DOUBT = 1.3
-"""Factor by which uncertainties are larger where a machine has a little noise: its levels are found
-from the same data, and small ones are hardly told from none."""
+LITTLE_DOUBT, RESTLESS_DOUBT = 1.3, 1.1
+"""Factors by which uncertainties are larger where a machine has a little noise, and where its motor
+walks a lot: the levels are found from the same data, and small ones are hardly told from none."""
 SHORT, SHORT_AND_RESTLESS = 3.0, 8.0
 """Time [s] in which a window has seen too little to know what it cannot explain, and the same where
 the motor walks a lot."""
@@ -75,9 +75,10 @@ def covariance_inflation(innovations: FloatArray, levels: NoiseLevels, rate: flo
     """
     bounded = np.clip(innovations, -HUBER, HUBER)
     inflation = variance_inflation(bounded, rate) * max(1.0, mean(np.square(bounded)))
-    time, short = innovations.size / rate, SHORT
+    time, short, doubt = innovations.size / rate, SHORT, 1.0
     if is_restless(levels):
-        short = SHORT_AND_RESTLESS
+        short, doubt = SHORT_AND_RESTLESS, RESTLESS_DOUBT
     elif any(levels[1:]):
-        inflation *= MACHINE_DOUBT * MACHINE_DOUBT
+        doubt = LITTLE_DOUBT
+    inflation *= doubt * doubt
     return inflation * (1.0 + (short / time) * (short / time))
