@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from bdt_plant.elementary_functions import (
     decaying_exponential,
     exponential,
+    float_exponential,
+    float_logarithm,
     logarithm,
     power,
     sine_of_turns,
@@ -31,6 +33,22 @@ def test_the_logarithm_is_right_to_three_units_in_the_last_place(number):
     exact = DIGITS.ln(Decimal(number))
     error = abs(Decimal(float(logarithm(number))) - exact)
     assert error <= 3 * Decimal(math.ulp(float(exact)))
+
+
+@given(st.floats(-1e3, 1e3) | st.floats(-1e-3, 1e-3))
+def test_the_exponential_function_of_a_float_is_that_of_an_array(number):
+    with np.errstate(over="ignore"):
+        assert float_exponential(number) == exponential(number)
+
+
+@given(st.floats(1e-300, 1e300) | st.floats(0.9, 1.1))
+def test_the_logarithm_of_a_float_is_that_of_an_array(number):
+    assert float_logarithm(number) == logarithm(number)
+
+
+def test_what_is_no_number_stays_none():
+    assert math.isnan(float_exponential(math.nan))
+    assert math.isnan(float_logarithm(math.nan))
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.1, 10.0))

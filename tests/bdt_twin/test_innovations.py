@@ -20,7 +20,7 @@ from bdt_plant import compilation
 from bdt_twin import innovation_filter
 from bdt_twin.innovation_filter import LARGEST_PUSH
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.noise_levels import mean_logarithm
+from bdt_twin.robust_sums import mean_logarithm
 
 
 def dense_covariance(motion, levels, pushed=()):

@@ -14,7 +14,6 @@ from bdt_twin.noise_levels import (
     fitted_levels,
     is_restless,
     is_walking,
-    mean_logarithm,
     quiet,
     robust_deviation,
 )
@@ -87,12 +86,6 @@ def test_more_tries_never_make_a_residual_less_likely():
     ]
     assert all(later <= earlier for earlier, later in pairwise(errors))
     assert errors[-1] < errors[0]
-
-
-@pytest.mark.parametrize("count", [1, 7, 8, 9, 100])
-def test_the_mean_of_logarithms_is_that_of_numpy(count):
-    values = np.exp(np.random.default_rng(count).normal(scale=5.0, size=count)) * 1e-6
-    assert mean_logarithm(values) == pytest.approx(np.log(values).mean(), rel=1e-12)
 
 
 def test_outliers_hardly_change_the_robust_deviation():

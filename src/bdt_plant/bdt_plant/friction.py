@@ -12,7 +12,7 @@ second order in the sample time. A motor that sticks for a whole sample is advan
 import math
 from typing import NamedTuple
 
-from bdt_plant.elementary_functions import exponential
+from bdt_plant.elementary_functions import float_exponential
 from bdt_plant.motor import SMALLEST_SIGNAL, DiscreteMotor, MotorParameters, MotorState, motor_step
 
 
@@ -65,7 +65,7 @@ def discretize_friction(motor: MotorParameters, sample_time: float) -> DiscreteF
     return DiscreteFriction(
         float(motor.coulomb_friction / motor.torque_constant),
         float(motor.resistance),
-        float(exponential(-motor.resistance * sample_time / motor.inductance)),
+        float_exponential(-motor.resistance * sample_time / motor.inductance),
     )
 
 

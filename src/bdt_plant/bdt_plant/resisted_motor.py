@@ -13,7 +13,7 @@ speed, angle or force are to be given for the middle of the step.
 
 from typing import NamedTuple
 
-from bdt_plant.elementary_functions import exponential
+from bdt_plant.elementary_functions import float_exponential
 from bdt_plant.friction import breakaway_friction, held_torque_step
 from bdt_plant.motor import (
     SMALLEST_SIGNAL,
@@ -51,7 +51,7 @@ def discretize_resisted_motor(motor: MotorParameters, step_time: float) -> Resis
     return ResistedMotor(
         step,
         resistance,
-        float(exponential(-resistance * step_time / motor.inductance)),
+        float_exponential(-resistance * step_time / motor.inductance),
         step.speed[0] + resistance * step.speed[2],
     )
 

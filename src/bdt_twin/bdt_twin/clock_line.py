@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.elementary_functions import exponential
+from bdt_plant.elementary_functions import float_exponential
 from bdt_twin.fixed_order import dot, mean, total
 
 FloatArray = NDArray[np.float64]
@@ -60,7 +60,7 @@ class ClockLine:
             if abs(mean(late - expected)) > LOST * self._step:
                 self._clear()
                 return self.times(stamps)
-        forgotten = float(exponential(-count * self._step / MEMORY))
+        forgotten = float_exponential(-count * self._step / MEMORY)
         weight, number, square = self._weight, self._number, self._square
         self._weight = forgotten * weight + count
         self._number = forgotten * (number - count * weight) + total(numbers)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bdt_msgs_py.quantities import quantity, validate
-from bdt_plant.elementary_functions import exponential
+from bdt_plant.elementary_functions import float_exponential
 
 DISTRIBUTIONS = ("fixed", "uniform", "log_normal", "table")
 
@@ -84,7 +84,7 @@ def delays(settings: LinkSettings) -> Iterator[float]:
         if settings.delay_distribution == "uniform":
             yield typical * (1.0 + spread * generator.uniform(-1.0, 1.0))
         elif settings.delay_distribution == "log_normal":
-            yield typical * float(exponential(spread * generator.standard_normal()))
+            yield typical * float_exponential(spread * generator.standard_normal())
         else:
             yield typical
 

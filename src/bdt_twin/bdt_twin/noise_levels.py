@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.elementary_functions import exponential, logarithm
-from bdt_twin.fixed_order import mean, total
+from bdt_plant.elementary_functions import float_exponential, float_logarithm
 from bdt_twin.innovations import NoiseLevels, Whitening
+from bdt_twin.robust_sums import bounded_mean_square, mean_logarithm, median
 
 FloatArray = NDArray[np.float64]
 
@@ -25,8 +25,6 @@ QUIETER = 12.0
 """Factor by which the motor is thought to walk less once it is explained."""
 NOTHING = 0.02
 """Walk of the motor in a second, over the noise of a reading, that is none."""
-PRODUCT = 8
-"""Values that are multiplied before their logarithm is taken."""
 SMALLEST_NOISE = 1e-9
 """Standard deviation of a block's mean below which nothing is taken for noise [m]."""
 FROM_MAD = 1.4826
@@ -81,7 +79,7 @@ def fitted_levels(
         """Return the logarithm of the prediction error and the scale of all levels."""
         whitening = make(NoiseLevels(levels.reading, *(levels.reading * ratios).tolist()))
         scale = max(robust_deviation(whitening.innovations), SMALLEST_NOISE / levels.reading)
-        return mean_logarithm(whitening.deviations) + float(logarithm(scale)), scale
+        return mean_logarithm(whitening.deviations) + float_logarithm(scale), scale
 
     least = np.array([0.0, least_slow, 0.0]) / levels.reading
     ratios = np.maximum(np.array(levels[1:]) / levels.reading, least)
@@ -107,7 +105,7 @@ def fitted_levels(
     reading = max(levels.reading * scale, SMALLEST_NOISE)
     fast, slow, force = (reading * ratios).tolist()
     levels = NoiseLevels(reading, fast, max(slow, least_slow), force)
-    return FittedLevels(levels, float(exponential(best)))
+    return FittedLevels(levels, float_exponential(best))
 
 
 def is_restless(levels: NoiseLevels, ratio: float = RESTLESS) -> bool:
@@ -145,17 +143,12 @@ def quiet(levels: NoiseLevels) -> NoiseLevels:
     return levels._replace(fast=fast, slow=slow)
 
 
-def mean_logarithm(values: FloatArray) -> float:
-    """Return the mean of the logarithms of positive values."""
-    # One logarithm of several values' product, which takes a fraction of the time.
-    largest = float(values.max())
-    ratios = np.ones(-(-values.size // PRODUCT) * PRODUCT)
-    ratios[: values.size] = values / largest
-    products = np.multiply.reduce(ratios.reshape(PRODUCT, -1))
-    return float(logarithm(largest)) + total(logarithm(products)) / values.size
+def absolute_deviation(values: FloatArray) -> float:
+    """Return the standard deviation of normal values around zero, by their median size."""
+    return FROM_MAD * median(np.abs(values))
 
 
 def robust_deviation(values: FloatArray) -> float:
     """Return the standard deviation of values whose outliers are brought back."""
-    most = HUBER * max(FROM_MAD * float(np.median(np.abs(values))), 1e-300)
-    return max(math.sqrt(mean(np.square(np.clip(values, -most, most)))), 1e-300)
+    most = HUBER * max(absolute_deviation(values), 1e-300)
+    return max(math.sqrt(bounded_mean_square(values, most)), 1e-300)

@@ -10,14 +10,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.elementary_functions import exponential
+from bdt_plant.elementary_functions import float_exponential
 from bdt_plant.plant import PlantModel
+from bdt_twin import fixed_order, robust_sums
 from bdt_twin.answer_check import AnswerCheck
 from bdt_twin.cogging_search import compiled_waves
 from bdt_twin.cogging_trials import CoggingTrials
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
-from bdt_twin.fixed_order import COMPILED
 from bdt_twin.gap_knowledge import GapKnowledge
 from bdt_twin.gap_of_fit import answered_reversals, gap_at, growth_at, growth_change_of
 from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
@@ -43,6 +43,8 @@ LOOPS = (
     compiled_gains,
     compiled_innovations,
     compiled_waves,
+    *fixed_order.COMPILED,
+    *robust_sums.COMPILED,
 )
 """What to call before the first data wait."""
 MOST_HELD = 5
@@ -101,7 +103,7 @@ class OutputErrorEstimator:
         self._recalled: tuple[MachineRecollection, float] | None = None
         self._window = TelemetryWindow(sampling_rate, round(settings.window * sampling_rate))
         # Whatever is not in numba's cache is compiled now, not when the first batch waits.
-        for compiled in (*LOOPS, *COMPILED):
+        for compiled in LOOPS:
             compiled()
         self.restart()
 
@@ -245,7 +247,7 @@ class OutputErrorEstimator:
         self._predecessor = Predecessor(window, fit, growth) if follows else None
         if not follows:
             self._held = 0
-        gain = float(exponential(fit.unknowns.factors[FACTORS.index("gain")]))
+        gain = float_exponential(float(fit.unknowns.factors[FACTORS.index("gain")]))
         estimate = Estimate(
             time=stamp,
             gap=gap,

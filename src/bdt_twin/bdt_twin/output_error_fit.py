@@ -18,14 +18,15 @@ from bdt_twin.innovations import DeviationModel, NoiseLevels, Whitening
 from bdt_twin.machine_knowledge import EFFECT_SPREAD, EFFECTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import (
-    FROM_MAD,
     HUBER,
     SMALLEST_NOISE,
     FittedLevels,
+    absolute_deviation,
     fitted_levels,
     is_walking,
     robust_deviation,
 )
+from bdt_twin.robust_sums import huber_loss
 from bdt_twin.unknowns import Unknowns
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prior import prior_precision
@@ -208,12 +209,14 @@ class WindowFit:
 
     def _cost(self, point: _Point, innovations: FloatArray) -> float:
         """Return the negative log-likelihood of unknowns and data, but for a constant."""
-        size = np.abs(innovations)
-        loss = np.where(size <= HUBER, 0.5 * np.square(size), HUBER * (size - 0.5 * HUBER))
         vector = point.unknowns.as_vector() - self._expected
         changes = product(self._changes, point.unknowns.gaps)
         rare = 0.5 * (CHANGE_FREEDOM + 1.0) * logarithm(1.0 + np.square(changes) / CHANGE_FREEDOM)
-        return total(loss) + total(rare) + 0.5 * dot(vector, product(self._prior, vector))
+        return (
+            huber_loss(innovations, HUBER)
+            + total(rare)
+            + 0.5 * dot(vector, product(self._prior, vector))
+        )
 
     def _prior_at(self, unknowns: Unknowns) -> FloatArray:
         """Return the inverse covariance of the unknowns before any data."""
@@ -285,10 +288,10 @@ def _unpushed_levels(point: _Point, levels: NoiseLevels) -> NoiseLevels:
 
     With levels that are far too small nearly all innovations would be pushes.
     """
-    scale = FROM_MAD * float(np.median(np.abs(point.whitening(levels).innovations)))
+    scale = absolute_deviation(point.whitening(levels).innovations)
     return NoiseLevels(*(scale * np.array(levels)).tolist()) if scale > TOO_SMALL else levels
 
 
 def _noise(residual: FloatArray) -> float:
     """Return the standard deviation of a residual, whatever the outliers [m]."""
-    return max(SMALLEST_NOISE, FROM_MAD * float(np.median(np.abs(residual))))
+    return max(SMALLEST_NOISE, absolute_deviation(residual))

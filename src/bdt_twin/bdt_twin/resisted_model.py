@@ -5,7 +5,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.elementary_functions import FULL_TURN, exponential, sine_of_turns
+from bdt_plant.elementary_functions import FULL_TURN, float_exponential, sine_of_turns
 from bdt_plant.plant import PlantModel
 from bdt_plant.resisted_motor import ResistedMotor
 from bdt_plant.screw_load import ScrewLoad
@@ -45,16 +45,16 @@ def resisted_plant_with(
         plant.friction.decay,
         plant.motor.speed[0] + resistance * plant.motor.speed[2],
     )
-    speed = USUAL_STRIBECK_SPEED * float(exponential(effect["stribeck_speed"]))
+    speed = USUAL_STRIBECK_SPEED * float_exponential(effect["stribeck_speed"])
     friction = FrictionLaw(current, effect["excess_voltage"] / resistance, speed, 1.0, 1.0)
-    ratios = exponential(factors)
+    ratios = dict(zip(FACTORS, map(float_exponential, factors.tolist()), strict=True))
     return ResistedPlant(
         plant,
         motor,
         friction,
         ScrewLoad(effect["load_voltage"] / resistance, 0.0),
-        model.structure.stiffness * float(ratios[FACTORS.index("stiffness")]),
-        model.structure.damping * float(ratios[FACTORS.index("damping")]),
+        model.structure.stiffness * ratios["stiffness"],
+        model.structure.damping * ratios["damping"],
         NO_COGS,
     )
 

@@ -5,11 +5,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_plant.elementary_functions import FULL_TURN, exponential
+from bdt_plant.elementary_functions import FULL_TURN, float_exponential
 from bdt_plant.plant import PlantModel
 from bdt_plant.structure import DiscreteStructure, StructureState
 from bdt_twin.drive_bases import drive_bases
-from bdt_twin.fixed_order import dot, product, standard_deviation
+from bdt_twin.fixed_order import block_means, dot, product, standard_deviation
 from bdt_twin.forward_model import (
     SlowMotion,
     StretchResponse,
@@ -107,7 +107,7 @@ class WindowModel:
         step = resisted_plant_with(
             self._model, unknowns.factors, unknowns.effects, 1.0 / self.sampling_rate
         )
-        gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
+        gain = float_exponential(float(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
         responses = []
         slow = SlowMotion(SLOW_VOLTAGE / back_emf, STANDING_SHARE * friction, back_emf)
@@ -202,7 +202,7 @@ class WindowModel:
         slopes[:, changed[:2]] = (ahead - behind) / (2 * FACTOR_CHANGE)
         # The readings' own slope differs from the position's by what delay and drift add.
         slope = self._slope(run.position) - unknowns.effects[EFFECTS.index("drift")]
-        slopes[:, effects + EFFECTS.index("delay")] = -slope.reshape(-1, self.block).mean(axis=1)
+        slopes[:, effects + EFFECTS.index("delay")] = -block_means(slope, self.block)
         middles = np.arange(run.screw.size) + 0.5 - 0.5 / self.block
         slopes[:, effects + EFFECTS.index("drift")] = middles / self.block_rate
         slopes[:, first + INITIAL_CONDITION.index("offset")] = 1.0
@@ -263,7 +263,7 @@ class WindowModel:
 
     def travel_per_volt(self, unknowns: Unknowns) -> float:
         """Return the speed of the screw for a volt [m/(V s)]; the motor settles in milliseconds."""
-        gain = float(exponential(unknowns.factors[FACTORS.index("gain")]))
+        gain = float_exponential(float(unknowns.factors[FACTORS.index("gain")]))
         return self.pitch * gain / self._model.motor.back_emf_constant
 
     def _write_play_bases(
@@ -272,12 +272,11 @@ class WindowModel:
         """Write how the gap at each knot moves the screw's end, shape (blocks, knots)."""
         begins = self.stretches[number].first
         times = (begins + run.sample) / self.sampling_rate
-        spacing, last = self.knots[1] - self.knots[0], self.knots.size - 2
-        before = np.clip(((times - self.knots[0]) / spacing).astype(np.int64), 0, last)
+        places = (times - self.knots[0]) / (self.knots[1] - self.knots[0])
+        before = np.minimum(places.astype(np.int64), self.knots.size - 2)
         per_gap, blocks = -0.5 * self.pitch * run.side, np.arange(times.size)
-        for knot in (before, before + 1):
-            distance = np.abs(times - self.knots[knot]) / spacing
-            bases[blocks, knot] = per_gap * np.maximum(1.0 - distance, 0.0)
+        later = per_gap * (places - before)
+        bases[blocks, before], bases[blocks, before + 1] = per_gap - later, later
         # The motor begins at its place in the gap.
         share = float(unknowns.initial_conditions[number, 0])
         initial = self.weights(np.array([begins / self.sampling_rate]))[:, 0]
