@@ -128,7 +128,7 @@ def test_a_motor_that_walks_may_be_anywhere_in_its_gap(closed_loop, monkeypatch)
 
     monkeypatch.setattr(WindowFit, "solve", solved)
     walks = NoiseLevels(reading=1e-9, slow=1e-5)
-    as_good, worse = 2.0 * found.prediction_error, 0.5 * found.prediction_error
+    as_good, worse = 2.0 * found.prediction_error, 0.8 * found.prediction_error
     fit_window(window, GROWTH_CHANGE, KNOWN, wrong, as_good, walks)
     assert shares == [wrong.initial_conditions[0, 0]]
     shares.clear()

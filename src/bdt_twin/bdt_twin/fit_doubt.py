@@ -13,6 +13,7 @@ from bdt_twin.block_residual import variance_inflation
 from bdt_twin.fixed_order import mean
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.noise_levels import HUBER, is_restless
+from bdt_twin.robust_sums import bounded_mean_square
 
 FloatArray = NDArray[np.float64]
 
@@ -28,12 +29,18 @@ NEWEST = 1.0
 SURPRISE = 3.0
 """Standard deviations of the mean square of white noise by which that of the newest innovations
 exceeds its mean, if they are no noise."""
+LONGEST_PUSH = 0.25
+"""Time for which something pushes a platform [s]; what goes on for longer is a wrong model."""
 
 
 def is_surprised(
-    innovations: FloatArray, levels: NoiseLevels, rate: float, negligible: float = 0.0
+    innovations: FloatArray,
+    pushed: FloatArray,
+    levels: NoiseLevels,
+    rate: float,
+    negligible: float = 0.0,
 ) -> bool:
-    """Return whether the newest data are explained worse than noise would have it.
+    """Return whether the newest data are explained worse than noise and a push would have it.
 
     A motor that walks a lot surprises now and then.
 
@@ -41,6 +48,8 @@ def is_surprised(
     ----------
     innovations : ndarray, shape (blocks,)
         Innovations over their standard deviations.
+    pushed : ndarray, shape (blocks,)
+        One where something pushed a platform, else zero.
     levels : NoiseLevels
         Levels of noise.
     rate : float
@@ -48,11 +57,13 @@ def is_surprised(
     negligible : float
         Root mean square that is as good as none, however small the noise is.
     """
-    newest = innovations[-max(round(NEWEST * rate), 1) :]
+    count = max(round(NEWEST * rate), 1)
+    newest, pushes = innovations[-count:], np.flatnonzero(pushed[-count:])
     if is_restless(levels) or mean(np.square(newest)) < negligible * negligible:
         return False
-    bounded = np.clip(newest, -HUBER, HUBER)
-    return mean(np.square(bounded)) > 1.0 + SURPRISE * math.sqrt(2.0 / newest.size)
+    if pushes.size and np.ptp(pushes) > LONGEST_PUSH * rate:
+        return True
+    return bounded_mean_square(newest, HUBER) > 1.0 + SURPRISE * math.sqrt(2.0 / newest.size)
 
 
 def huber_weights(innovations: FloatArray) -> FloatArray:
@@ -74,7 +85,9 @@ def covariance_inflation(innovations: FloatArray, levels: NoiseLevels, rate: flo
         Blocks in a second [Hz].
     """
     bounded = np.clip(innovations, -HUBER, HUBER)
-    inflation = variance_inflation(bounded, rate) * max(1.0, mean(np.square(bounded)))
+    inflation = variance_inflation(bounded, rate) * max(
+        1.0, bounded_mean_square(innovations, HUBER)
+    )
     time, short, doubt = innovations.size / rate, SHORT, 1.0
     if is_restless(levels):
         short, doubt = SHORT_AND_RESTLESS, RESTLESS_DOUBT

@@ -38,6 +38,8 @@ WORSE = 2.0
 """Growth of the residual from window to window that makes the fit begin anew."""
 QUIETER_ERROR = 1.1
 """Growth of the prediction error for which a motor that rested is thought to walk again."""
+WORSE_ERROR = 1.1
+"""Growth of the prediction error for which another prediction is tried."""
 
 
 def initial_conditions_at_rest(window: WindowModel) -> FloatArray:
@@ -106,7 +108,9 @@ def fit_window(
         begun = _in_the_middle_of_the_gap(predicted)
         middle = problem.solve(begun, FINE, ROUGH_SIMULATIONS, levels=first)
         followed = _better(followed, middle)
-    if otherwise is not None and leaves_newest_unexplained(window, followed):
+    # A push that nobody gave may explain the newest data, but not as well.
+    is_worse = not may_rest and followed.prediction_error > WORSE_ERROR * error
+    if otherwise is not None and (is_worse or leaves_newest_unexplained(window, followed)):
         other = problem.solve(otherwise, FINE, simulations, levels=first)
         followed = _better(followed, other)
     if followed.prediction_error <= enough:
@@ -130,7 +134,7 @@ def _in_the_middle_of_the_gap(unknowns: Unknowns) -> Unknowns:
 def leaves_newest_unexplained(window: WindowModel, fit: Fit) -> bool:
     """Return whether a fit explains the newest data of its window worse than the others."""
     negligible = EXPLAINED * window.motion / fit.prediction_error
-    return is_surprised(fit.innovations, fit.levels, window.block_rate, negligible)
+    return is_surprised(fit.innovations, fit.pushed, fit.levels, window.block_rate, negligible)
 
 
 def _from_many(
