@@ -148,21 +148,22 @@ def test_an_estimate_waits_until_the_platform_has_answered_the_reversal(closed_l
     assert min(each.age for each in learned) == pytest.approx(slowest, abs=0.03)
 
 
+@pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("time", [15.5, 16.5, 17.1])
 @pytest.mark.parametrize(("before", "after"), [(5.0, 12.0), (12.0, 3.0)])
-def test_a_gap_that_jumps_is_not_stated_wrongly_and_surely(closed_loop, before, after, time):
+def test_a_gap_that_jumps_is_not_stated_wrongly_and_surely(closed_loop, before, after, time, seed):
     jumping = GapProfile(
         kind="table",
         table_times=(0.0, time, time + 0.001, 30.0),
         table_gaps=tuple(np.deg2rad([before, before, after, after]).tolist()),
     )
     loop = closed_loop(jumping, 24.0, rate=2500.0, dead_zone=12.0, step_time=2.99)
-    rows = measured(loop.rows, 1e-6, 1e-7, 1)
+    rows = measured(loop.rows, 1e-6, 1e-7, seed)
     found = estimates_of(rows, cuts=seconds(rows, 2500.0), rate=2500.0)
     errors, uncertainties = errors_of(found, jumping)
     assert errors.size > 15
     assert (np.abs(errors) < np.maximum(4.0 * uncertainties, 0.3)).all()
-    assert abs(errors[-1]) < 0.1
+    assert np.median(np.abs(errors[-3:])) < 0.1
 
 
 def test_a_gap_that_rises_and_falls_is_as_sure_as_its_errors_are_small(closed_loop):
@@ -204,8 +205,13 @@ def steps_by_hand():
     return np.concatenate([plant.advance(voltage) for voltage in np.resize([1.0, 0.0, -1.5], 12)])
 
 
-@pytest.mark.parametrize("step_time", [5.6, 6.6])
-def test_growth_that_ends_while_the_loop_rests_does_not_go_on(closed_loop, step_time):
+@pytest.mark.parametrize(
+    ("step_time", "residual_rate", "seed"),
+    [(5.6, 125.0, 1), (6.6, 125.0, 1), (5.6, 100.0, 1), (5.6, 200.0, 1), (4.6, 125.0, 3)],
+)
+def test_growth_that_ends_while_the_loop_rests_does_not_go_on(
+    closed_loop, step_time, residual_rate, seed
+):
     """What the gap would be if it had grown on explains the newest data nearly as well."""
     ends = GapProfile(
         kind="table",
@@ -213,9 +219,10 @@ def test_growth_that_ends_while_the_loop_rests_does_not_go_on(closed_loop, step_
         table_gaps=tuple(np.deg2rad([9.0, 25.6, 26.1]).tolist()),
     )
     rows = closed_loop(ends, 12.0, 5000.0, dead_zone=26.0, step_time=step_time).rows
-    rows = measured(rows, 1e-6, 1e-7, seed=1)
+    rows = measured(rows, 1e-6, 1e-7, seed)
+    chosen = replace(CHOSEN, residual_rate=residual_rate)
     errors, uncertainties = errors_of(
-        estimates_of(rows, cuts=seconds(rows, 5000.0), rate=5000.0), ends
+        estimates_of(rows, chosen, seconds(rows, 5000.0), rate=5000.0), ends
     )
     assert errors.size >= 9
     assert np.abs(errors).max() < 0.5

@@ -24,7 +24,7 @@ def test_an_update_period_of_broken_samples_is_refused():
         OutputErrorSettings(update_period=0.0011).samples_per_update(5000.0)
 
 
-@pytest.mark.parametrize(("rate", "block"), [(5000.0, 25), (1000.0, 5), (500.0, 2), (50.0, 1)])
+@pytest.mark.parametrize(("rate", "block"), [(5000.0, 40), (1000.0, 8), (500.0, 4), (50.0, 1)])
 def test_a_block_has_the_samples_of_a_period_of_the_residual(rate, block):
     assert OutputErrorSettings().samples_per_block(rate) == block
 

@@ -23,7 +23,7 @@ class OutputErrorSettings:
         1.0, "s", "time between two estimates", minimum=1e-3, maximum=1e4
     )
     residual_rate: float = quantity(
-        200.0,
+        125.0,
         "Hz",
         "rate at which measured and simulated position are compared: means over its periods",
         minimum=1.0,
