@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bdt_plant.plant import PlantModel
+from bdt_plant.pushes import PushParameters
 from bdt_twin.machine_knowledge import first_knowledge
 from bdt_twin.noise_levels import NoiseLevels
 from bdt_twin.stretch import Stretch
@@ -16,8 +17,8 @@ from bdt_twin.window_prediction import Predecessor, predicted_unknowns, without_
 from bdt_twin.window_search import fit_window, initial_conditions_at_rest
 
 RATE, BLOCK = 5000.0, 25
-GAP = math.radians(12.0)
-SHARE = INITIAL_CONDITION.index("share")
+MODEL, GAP = PlantModel(), math.radians(12.0)
+SHARE, OFFSET = map(INITIAL_CONDITION.index, ("share", "offset"))
 
 
 def window_of(loop, begin, end, every):
@@ -27,17 +28,17 @@ def window_of(loop, begin, end, every):
     stretch = Stretch(begin * RATE, *np.ascontiguousarray(rows.T), before)
     averaged = stretch.averaged(every, BLOCK // every)
     knots = np.arange(math.floor(begin), math.ceil(end) + 1.0)
-    return WindowModel(PlantModel(), [averaged], knots, RATE / every, BLOCK // every)
+    return WindowModel(MODEL, [averaged], knots, RATE / every, BLOCK // every)
 
 
 @pytest.fixture
 def last(closed_loop):
     """Make the window from 0 to 9 s, fitted in steps of so many samples, and its loop."""
 
-    def fitted(every, growth=0.0):
-        loop = closed_loop(12.0, duration=12.0, rate=RATE)
+    def fitted(every, growth=0.0, model=MODEL):
+        loop = closed_loop(12.0, duration=12.0, rate=RATE, model=model)
         window = window_of(loop, 0.0, 9.0, every)
-        fit = fit_window(window, math.radians(0.02), first_knowledge(PlantModel().motor))
+        fit = fit_window(window, math.radians(0.02), first_knowledge(MODEL.motor))
         return loop, Predecessor(window, fit, growth)
 
     return fitted
@@ -53,6 +54,14 @@ def test_the_mechanism_is_where_it_was_whatever_the_rates_of_both_windows(last, 
     off = run.position - window.stretches[0].position
     assert np.abs(window.stretches[0].position).max() > 4e-3
     assert np.abs(off).max() < (2e-7 if before == every == 1 else 2e-5)
+
+
+@pytest.mark.parametrize("begin", [3.02, 3.5])
+def test_a_screw_is_where_it_was_even_if_a_platform_was_pushed(last, begin):
+    loop, predecessor = last(1, model=replace(MODEL, pushes=PushParameters(2.0, period=3.0)))
+    predicted = predicted_unknowns(window_of(loop, begin, 12.0, 1), predecessor)
+    screw = MODEL.lead_screw.pitch * loop.theta_d[round(begin * RATE)]
+    assert predicted.initial_conditions[0, OFFSET] == pytest.approx(screw, abs=1e-5)
 
 
 def test_of_a_motor_that_walks_only_its_place_in_the_gap_is_predicted(last):

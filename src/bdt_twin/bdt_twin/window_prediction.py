@@ -19,6 +19,9 @@ from bdt_twin.window_search import initial_conditions_at_rest
 
 FloatArray = NDArray[np.float64]
 
+PUSH_RINGS = 3.0
+"""Time after a push in which the platforms are not where the simulation has them [s]."""
+
 
 class Predecessor(NamedTuple):
     """A window before, from which the fit of the next one begins.
@@ -71,10 +74,21 @@ def predicted_unknowns(window: WindowModel, last: Predecessor) -> Unknowns:
                     beginning[0] = state[0]
                     continue
                 beginning[:] = state
+                if _rings(last, number, sample):
+                    continue
                 # By what the machine has wandered from its simulation in the meantime.
                 seen = slice(sample, sample + before.block)
                 beginning[1] += mean(old.position[seen] - run.position[seen])
     return Unknowns(gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects)
+
+
+def _rings(last: Predecessor, number: int, sample: int) -> bool:
+    """Tell whether something has pushed a platform shortly before a sample of a stretch."""
+    window, pushed = last.window, last.fit.pushed
+    block = sample // window.block
+    first = max(block - round(PUSH_RINGS * window.block_rate), 0)
+    begins = sum(stretch.position.size for stretch in window.stretches[:number]) // window.block
+    return bool(pushed[begins + first : begins + block + 1].any())
 
 
 def _state_at(

@@ -111,7 +111,14 @@ def fit_window(
     # A push that nobody gave may explain the newest data, but not as well.
     is_worse = not may_rest and followed.prediction_error > WORSE_ERROR * error
     if otherwise is not None and (is_worse or leaves_newest_unexplained(window, followed)):
-        other = problem.solve(otherwise, FINE, simulations, levels=first)
+        other = problem.solve(
+            otherwise,
+            FINE,
+            simulations,
+            levels=first,
+            patience=PREDICTION_SIMULATIONS,
+            enough=enough,
+        )
         followed = _better(followed, other)
     if followed.prediction_error <= enough:
         return followed
