@@ -100,10 +100,9 @@ def test_short_data_are_not_searched(fits):
 def test_a_window_whose_own_fit_takes_long_has_no_time_for_trials(fits):
     last = run_of(0.0)[0].last_fit
     restless = last.fit.levels._replace(slow=100.0 * last.fit.levels.reading)
-    most = MUCH_WORK // last.window.samples
     trials = CoggingTrials(MOTOR)
-    for simulations, tries in ((most + 1, False), (most, True)):
+    for simulated, tries in ((MUCH_WORK + 1, False), (MUCH_WORK, True)):
         fits.clear()
-        fit = replace(last.fit, levels=restless, simulations=simulations)
+        fit = replace(last.fit, levels=restless, simulated=simulated)
         trials.advance(last.window, fit, MachineMemory(MOTOR), GROWTH_CHANGE)
         assert bool(fits) is tries

@@ -36,8 +36,8 @@ def fits(monkeypatch):
     return made
 
 
-@pytest.mark.parametrize(("much", "newcomers"), [(math.inf, MOST_NEWCOMERS), (0, 1)])
-def test_effects_join_one_after_the_other_and_one_only_where_a_fit_takes_long(
+@pytest.mark.parametrize(("much", "newcomers"), [(math.inf, MOST_NEWCOMERS), (0, 0)])
+def test_effects_join_one_after_the_other_and_none_where_a_fit_took_long(
     closed_loop, monkeypatch, fits, much, newcomers
 ):
     monkeypatch.setattr(module, "MUCH_WORK", much)
@@ -46,5 +46,6 @@ def test_effects_join_one_after_the_other_and_one_only_where_a_fit_takes_long(
     machine = FullOfEffects(PlantModel().motor)
     fitted, fit = next_fit(window, None, machine, math.radians(0.02))
     assert fitted is window
-    assert fit is fits[-1]
+    assert fit.unknowns is fits[-1].unknowns
+    assert fit.simulated == sum(each.simulated for each in fits)
     assert len(fits) == 1 + newcomers

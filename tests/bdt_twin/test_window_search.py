@@ -153,7 +153,7 @@ def test_the_work_of_a_window_is_limited(closed_loop, simulated, monkeypatch, wr
     predicted = None if wrong is None else unknowns_with(window, wrong)
     fit = fit_window(spoiled, GROWTH_CHANGE, KNOWN, predicted, 1e-9, NoiseLevels(1e-9))
     assert len(simulated[RATE]) <= fits * FEWEST_SIMULATIONS
-    assert fit.simulations == len(simulated[RATE])
+    assert fit.simulated == sum(map(sum, simulated.values()))
     # All initial_conditions together are tried with fewer samples than a single fit has.
     assert sum(simulated[500]) < MOST_SAMPLES
 
@@ -164,7 +164,7 @@ def test_a_fit_that_is_wrong_after_its_patience_ends(closed_loop):
     levels = NoiseLevels(1e-6)
     patient = problem.solve(first, 10, 100, levels=levels)
     ended = problem.solve(first, 10, 100, levels=levels, patience=2, enough=0.0)
-    assert ended.simulations <= 2 + HALVINGS < patient.simulations
+    assert ended.simulated <= (2 + HALVINGS) * window.samples < patient.simulated
     same = problem.solve(first, 10, 100, levels=levels, patience=2, enough=1.0)
     assert same.prediction_error == patient.prediction_error
 

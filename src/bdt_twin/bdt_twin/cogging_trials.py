@@ -27,7 +27,7 @@ one does not tell a number from the next."""
 TRIALS, FINAL_TRIALS = 2, 1
 """Numbers that are tried in each window that teaches nothing."""
 MUCH_WORK = 500_000
-"""Simulated samples of a window's own fit, which has begun anew, that leave no time for trials."""
+"""Simulated samples of a window's own fits that leave no time for trials."""
 FINALISTS = 5
 """Numbers that are tried on other data."""
 DISTINCT = 0.93
@@ -94,8 +94,9 @@ class _Trial(NamedTuple):
         fit = self._fit_from(self.beginning, cogs)
         if self.is_final:
             window = self.window.with_cogs(cogs)
-            own = multi_start(window, self.growth_change, self.known)
-            fit = min(fit, self._fit_from(own, cogs), key=lambda each: each.prediction_error)
+            begun = multi_start(window, self.growth_change, self.known)
+            own = self._fit_from(begun.unknowns, cogs)
+            fit = min(fit, own, key=lambda each: each.prediction_error)
         return fit
 
     def _fit_from(self, beginning: Unknowns, cogs: int) -> Fit:
@@ -148,7 +149,7 @@ class CoggingTrials:
         FoundCogging or None
             The cogging, once a number is the best by far, twice.
         """
-        has_time = fit.simulations * window.samples <= MUCH_WORK
+        has_time = fit.simulated <= MUCH_WORK
         if not (has_time and self._rounds and is_restless(fit.levels)):
             return None
         anew, numbers = self._rounds[0]
@@ -183,7 +184,7 @@ class CoggingTrials:
         else:
             known = machine.before(newest.stretches[0].first / newest.sampling_rate)
         if anew:
-            beginning = multi_start(newest, growth_change, known)
+            beginning = multi_start(newest, growth_change, known).unknowns
         elif newest is window:
             beginning = fit.unknowns
         else:

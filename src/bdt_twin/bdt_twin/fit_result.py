@@ -36,8 +36,8 @@ class Fit:
     pending : ndarray, shape (unknowns,)
         The step that the fit did not make, because it was at its end, or because no part of it
         made the fit better.
-    simulations : int
-        Simulations of the window made until there was this fit, by those that were left, too.
+    simulated : int
+        Samples simulated until there was this fit, for those that were left, too.
     whitening : Whitening
         The filter that makes innovations of the residual.
     evidence : ndarray, shape (effects,)
@@ -52,7 +52,7 @@ class Fit:
     prior: FloatArray
     covariance: FloatArray
     pending: FloatArray
-    simulations: int
+    simulated: int
     whitening: Whitening
     evidence: FloatArray
 

@@ -1,7 +1,7 @@
 """The fit of a window that follows others: from their prediction, with what the machine has."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bdt_twin.cogging_search import cogging_evidence
 from bdt_twin.estimator import Estimate
@@ -10,12 +10,13 @@ from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.noise_levels import quiet
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor, predicted_unknowns, without_growth
-from bdt_twin.window_search import fit_window
+from bdt_twin.window_search import FINE, fit_window
 
 MOST_NEWCOMERS = 2
 """Effects that may join the unknowns in one window; each takes another fit."""
-MUCH_WORK = 1_000_000
-"""Simulated samples after which a second effect joins in the next window only."""
+MUCH_WORK = 600_000
+"""Simulated samples after which an effect joins in the next window only, if one fit of the window
+does not take more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +82,8 @@ def next_fit(
         error, levels = last.fit.prediction_error, last.fit.levels
     known = machine.before(begins)
     fit = fit_window(window, growth_change, known, predicted, error, levels, otherwise)
-    simulations = fit.simulations
-    for newcomers in range(MOST_NEWCOMERS):
-        if newcomers and simulations * window.samples > MUCH_WORK:
+    for _ in range(MOST_NEWCOMERS):
+        if fit.simulated > max(MUCH_WORK, FINE * window.samples):
             break
         levels = fit.levels
         if machine.has_evidence(fit.evidence, fit.machine):
@@ -96,6 +96,6 @@ def next_fit(
             break
         # What explains more is found from here; the error may only become smaller.
         known = machine.before(begins)
-        fit = fit_window(window, growth_change, known, fit.unknowns, math.inf, levels)
-        simulations += fit.simulations
+        found = fit_window(window, growth_change, known, fit.unknowns, math.inf, levels)
+        fit = replace(found, simulated=fit.simulated + found.simulated)
     return window, fit

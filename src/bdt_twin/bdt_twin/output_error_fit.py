@@ -252,7 +252,7 @@ class WindowFit:
             prior,
             inverse(told + prior),
             solved(told + prior, gradient),
-            simulations,
+            simulations * self._window.samples,
             whitening,
             _evidence(told, prior, gradient, point.unknowns.gaps.size + len(FACTORS)),
         )

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,14 +93,15 @@ def fit_window(
     # What a model explains is not taken for a walk of the motor only because it was before.
     may_rest = levels is not None and is_restless(levels)
     first = quiet(levels) if levels is not None and may_rest else levels
-    followed = problem.solve(
-        predicted,
-        FINE,
-        simulations,
+    follow = partial(
+        problem.solve,
+        steps=FINE,
+        simulations=simulations,
         levels=first,
         patience=PREDICTION_SIMULATIONS,
         enough=enough,
     )
+    followed = follow(predicted)
     if may_rest and followed.prediction_error > QUIETER_ERROR * error:
         walking = problem.solve(predicted, FINE, ROUGH_SIMULATIONS, levels=levels)
         followed = _better(followed, walking)
@@ -111,15 +113,7 @@ def fit_window(
     # A push that nobody gave may explain the newest data, but not as well.
     is_worse = not may_rest and followed.prediction_error > WORSE_ERROR * error
     if otherwise is not None and (is_worse or leaves_newest_unexplained(window, followed)):
-        other = problem.solve(
-            otherwise,
-            FINE,
-            simulations,
-            levels=first,
-            patience=PREDICTION_SIMULATIONS,
-            enough=enough,
-        )
-        followed = _better(followed, other)
+        followed = _better(followed, follow(otherwise))
     if followed.prediction_error <= enough:
         return followed
     return _better(followed, _from_many(problem, window, growth_change, machine, simulations))
@@ -128,7 +122,7 @@ def fit_window(
 def _better(one: Fit, other: Fit) -> Fit:
     """Return the fit that predicts better, with the work of both."""
     better = min(one, other, key=lambda each: each.prediction_error)
-    return replace(better, simulations=one.simulations + other.simulations)
+    return replace(better, simulated=one.simulated + other.simulated)
 
 
 def _in_the_middle_of_the_gap(unknowns: Unknowns) -> Unknowns:
@@ -152,15 +146,15 @@ def _from_many(
     simulations: int,
 ) -> Fit:
     """Fit a window from the best of many beginnings: roughly, then with the machine's noise."""
-    beginning = multi_start(window, growth_change, machine)
-    near = problem.solve(beginning, ROUGH, ROUGH_SIMULATIONS)
-    rest = simulations - near.simulations
+    begun = multi_start(window, growth_change, machine)
+    near = problem.solve(begun.unknowns, ROUGH, ROUGH_SIMULATIONS)
+    rest = simulations - near.simulated // window.samples
     fit = problem.solve(near.unknowns, FINE, rest, levels=near.levels)
-    return replace(fit, simulations=near.simulations + fit.simulations)
+    return replace(fit, simulated=begun.simulated + near.simulated + fit.simulated)
 
 
-def multi_start(window: WindowModel, growth_change: float, machine: MachineKnowledge) -> Unknowns:
-    """Return what fits a coarse copy of a window best, of what is found from each first gap.
+def multi_start(window: WindowModel, growth_change: float, machine: MachineKnowledge) -> Fit:
+    """Return the best fit of a coarse copy of a window, of those that begin with each first gap.
 
     Parameters
     ----------
@@ -182,4 +176,5 @@ def multi_start(window: WindowModel, growth_change: float, machine: MachineKnowl
         least = min(fit.residual for fit in fits)
         if sum(fit.residual < AGREED * least for fit in fits) > 1:
             break
-    return min(fits, key=lambda fit: fit.residual).unknowns
+    best = min(fits, key=lambda fit: fit.residual)
+    return replace(best, simulated=sum(fit.simulated for fit in fits))
