@@ -1,6 +1,6 @@
-"""Runs loops under schedules of faults, one after the other; a seed or a line makes a schedule.
+"""Runs loops under schedules of faults; a seed or a line makes a schedule.
 
-    python tests/faults/soak.py --count 1000 --begin 0 --results soak.txt
+    python tests/faults/soak.py --count 1000 --begin 0 --results soak.txt --jobs 4
     python tests/faults/soak.py --schedule "2.85 step clock 0.95 0.39; 5.54 stop controller 0.76 1"
     python tests/faults/soak.py --machine --count 100 --results machine.txt
 
@@ -13,7 +13,8 @@ import os
 import signal
 import sys
 import tempfile
-from functools import partial
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import active_children, get_context
 from pathlib import Path
 
 TESTS = Path(__file__).parents[1]
@@ -39,34 +40,54 @@ def main():
         help="an emulated machine in real time in place of the plant in lockstep",
     )
     parser.add_argument("--results", type=Path, help="file to go on with")
+    parser.add_argument("--jobs", type=int, default=1, help="loops at the same time")
     options = parser.parse_args()
-    # However it is ended, it ends the loop that it has started.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    judge = partial(judge_in_real_time if options.machine else judge_in_lockstep, claim_domain())
     if options.schedule is not None:
-        verdict = judge(schedule_from(options.schedule))
+        claim()
+        verdict = judge(options.machine, schedule_from(options.schedule))
         print(f"{verdict.outcome}: {verdict.reason}")
         return int(verdict.outcome == "failed")
     done = results_in(options.results)
-    for seed in range(options.begin, options.begin + options.count):
-        if seed not in done:
-            done[seed] = outcome_of(seed, judge)
-            if options.results is not None:
-                with options.results.open("a", encoding="utf-8") as file:
-                    file.write(f"{seed} {done[seed]}\n")
-    outcomes = [done[seed] for seed in range(options.begin, options.begin + options.count)]
+    seeds = range(options.begin, options.begin + options.count)
+    missing = [seed for seed in seeds if seed not in done]
+    for seed, outcome, told in judged(missing, options.machine, options.jobs):
+        print(told, flush=True)
+        done[seed] = outcome
+        if options.results is not None:
+            with options.results.open("a", encoding="utf-8") as file:
+                file.write(f"{seed} {outcome}\n")
+    outcomes = [done[seed] for seed in seeds]
     counts = {outcome: outcomes.count(outcome) for outcome in sorted(set(outcomes))}
     print(", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
     return int("failed" in outcomes)
 
 
-def judge_in_lockstep(domain, schedule):
-    """Run the loop with a plant in lockstep and return the verdict."""
-    return LockstepLoop(schedule, domain).judge()
+def claim():
+    """Give this process a ROS domain, and let it end its loop when it is told to end."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    os.environ["ROS_DOMAIN_ID"] = str(claim_domain())
 
 
-def judge_in_real_time(domain, schedule):
-    """Run the loop with an emulated machine and return the verdict."""
+def judged(seeds, on_machine, jobs):
+    """Yield seed, outcome and what is to be told of each, as they come."""
+    with ProcessPoolExecutor(jobs, get_context("spawn"), claim) as pool:
+        try:
+            for one in as_completed([pool.submit(outcome_of, seed, on_machine) for seed in seeds]):
+                yield one.result()
+        except BaseException:
+            # However this is ended, so are the loops that it has started.
+            pool.shutdown(wait=False, cancel_futures=True)
+            for worker in active_children():
+                worker.terminate()
+            raise
+
+
+def judge(on_machine, schedule):
+    """Run a loop with a plant in lockstep, or with an emulated machine; return the verdict."""
+    domain = int(os.environ["ROS_DOMAIN_ID"])
+    if not on_machine:
+        return LockstepLoop(schedule, domain).judge()
     with tempfile.TemporaryDirectory() as folder:
         return judge_machine(schedule, domain, Path(folder))
 
@@ -83,15 +104,18 @@ def results_in(path):
     return {int(seed): outcome.strip() for seed, outcome in pairs}
 
 
-def outcome_of(seed, judge):
-    """Judge the schedule of a seed, and tell of one that fails the shortest that does as well."""
+def outcome_of(seed, on_machine):
+    """Judge the schedule of a seed; return seed, outcome and what is to be told.
+
+    Of one that fails, the shortest one is told that fails as well.
+    """
     schedule = schedule_of(seed)
-    verdict = judge(schedule)
-    print(f"{seed}: {line_of(schedule)}: {verdict.outcome}: {verdict.reason}", flush=True)
+    verdict = judge(on_machine, schedule)
+    told = f"{seed}: {line_of(schedule)}: {verdict.outcome}: {verdict.reason}"
     if verdict.outcome == "failed":
-        short = shrunk(schedule, lambda shorter: judge(shorter).outcome == "failed")
-        print(f'failed: python tests/faults/soak.py --schedule "{line_of(short)}"', flush=True)
-    return verdict.outcome
+        short = shrunk(schedule, lambda shorter: judge(on_machine, shorter).outcome == "failed")
+        told += f'\nfailed: python tests/faults/soak.py --schedule "{line_of(short)}"'
+    return seed, verdict.outcome, told
 
 
 if __name__ == "__main__":

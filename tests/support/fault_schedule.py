@@ -12,9 +12,9 @@ MESSAGE_FAULTS = ("loss", "duplicate", "delay", "reorder", "nan", "step")
 KINDS = ("kill", "stop", "hostile", "full", *MESSAGE_FAULTS)
 """What goes wrong: with nodes, the last of it a full disk, and with messages."""
 
-FIRST, LAST = 1.0, 6.0
+FIRST, LAST = 0.5, 3.0
 """Simulated time between which faults begin [s]."""
-LONGEST = 1.5
+LONGEST = 1.0
 """Time for which a fault lasts at most [s]: of a stopped node and a full disk by the wall clock."""
 
 

@@ -1,13 +1,27 @@
 """A node as a process forked from one that has imported every node: it runs at once."""
 
 import os
+import sys
+from functools import cache
 from importlib import import_module
-from multiprocessing import get_context
+from multiprocessing import forkserver, get_context
 from pathlib import Path
 
 _CONTEXT = get_context("forkserver")
-# The program knows where these modules are, so it comes first.
-_CONTEXT.set_forkserver_preload(["__main__", "node_imports"])
+_CONTEXT.set_forkserver_preload(["node_imports"])
+
+
+@cache
+def _start_server():
+    """Start the process that nodes are forked from: it finds modules where this one does."""
+    before = os.environ.get("PYTHONPATH")
+    os.environ["PYTHONPATH"] = os.pathsep.join(sys.path)
+    try:
+        forkserver.ensure_running()
+    finally:
+        del os.environ["PYTHONPATH"]
+        if before is not None:
+            os.environ["PYTHONPATH"] = before
 
 
 class ForkedNode:
@@ -31,6 +45,7 @@ class ForkedNode:
     """
 
     def __init__(self, module, arguments, log, environment):
+        _start_server()
         self._process = _CONTEXT.Process(
             target=_run, args=(module, list(arguments), str(log), dict(environment)), name=module
         )
