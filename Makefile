@@ -48,19 +48,22 @@ stray-messages: setup
 	WRITE_STRAY_MESSAGES=1 $(BIN)/python -m pytest tests/test_stray_messages.py
 
 # The loop for long, as fast as it goes and in real time; then loops under random schedules of faults,
-# some 15 s each with the plant and 30 s with an emulated machine: SCHEDULES and MACHINES of them from
-# SEED on. With the same RESULTS the schedules go on where they ended; PERIODS=0 leaves the long loop out.
+# a few seconds each with the plant and 30 s with an emulated machine: SCHEDULES and MACHINES of them
+# from SEED on, the former JOBS at a time. With the same RESULTS the schedules go on where they ended;
+# PERIODS=0 leaves the long loop out.
 PERIODS ?= 1e7
 SCHEDULES ?= 10000
 MACHINES ?= 1000
 SEED ?= 0
 RESULTS ?= soak.txt
+JOBS ?= $(shell nproc)
 soak: setup
 ifneq ($(PERIODS),0)
 	$(BIN)/python tests/faults/endurance.py --periods $(PERIODS)
 	$(BIN)/python tests/faults/endurance.py --real-time --periods 1.8e6
 endif
-	$(BIN)/python tests/faults/soak.py --count $(SCHEDULES) --begin $(SEED) --results $(RESULTS)
+	$(BIN)/python tests/faults/soak.py --count $(SCHEDULES) --begin $(SEED) --results $(RESULTS) \
+		--jobs $(JOBS)
 	$(BIN)/python tests/faults/soak.py --machine --count $(MACHINES) --begin $(SEED) \
 		--results machine-$(RESULTS)
 
