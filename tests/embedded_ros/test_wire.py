@@ -223,6 +223,7 @@ def test_discovery_stays_on_loopback_unless_told_otherwise():
     assert 'name="lo" multicast="false"' in local
     assert '<Peer address="127.0.0.1" PruneDelay="inf"/>' in local
     assert "<MaxAutoParticipantIndex>119<" in local
+    assert "<ReceiveBufferSize>256KiB<" in local
     assert "<Peer" not in domain_configuration("OFF", None)
     assert domain_configuration("SUBNET", None) == ""
     assert '<Peer address="10.0.0.1"/>' in domain_configuration("SUBNET", "10.0.0.1")

@@ -13,7 +13,8 @@ import os
 import signal
 import sys
 import tempfile
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from itertools import islice
 from multiprocessing import active_children, get_context
 from pathlib import Path
 
@@ -52,11 +53,11 @@ def main():
     seeds = range(options.begin, options.begin + options.count)
     missing = [seed for seed in seeds if seed not in done]
     for seed, outcome, told in judged(missing, options.machine, options.jobs):
-        print(told, flush=True)
         done[seed] = outcome
         if options.results is not None:
             with options.results.open("a", encoding="utf-8") as file:
                 file.write(f"{seed} {outcome}\n")
+        print(told, flush=True)
     outcomes = [done[seed] for seed in seeds]
     counts = {outcome: outcomes.count(outcome) for outcome in sorted(set(outcomes))}
     print(", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
@@ -71,13 +72,21 @@ def claim():
 
 def judged(seeds, on_machine, jobs):
     """Yield seed, outcome and what is to be told of each, as they come."""
+    waiting = iter(seeds)
     with ProcessPoolExecutor(jobs, get_context("spawn"), claim) as pool:
+
+        def begin(count):
+            return {pool.submit(outcome_of, one, on_machine) for one in islice(waiting, count)}
+
+        # None is begun before one has ended, so that none is to be begun when this is interrupted.
+        running = begin(jobs)
         try:
-            for one in as_completed([pool.submit(outcome_of, seed, on_machine) for seed in seeds]):
-                yield one.result()
+            while running:
+                ended, running = wait(running, return_when=FIRST_COMPLETED)
+                running |= begin(len(ended))
+                for one in ended:
+                    yield one.result()
         except BaseException:
-            # However this is ended, so are the loops that it has started.
-            pool.shutdown(wait=False, cancel_futures=True)
             for worker in active_children():
                 worker.terminate()
             raise
@@ -119,4 +128,7 @@ def outcome_of(seed, on_machine):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -36,6 +36,9 @@ _LOOPBACK = (
     "<SPDPInterval>2s</SPDPInterval>"
     "{reach}"
     "</Discovery>"
+    # Each thread that receives fills such a buffer slowly and then takes a new one: what a process
+    # holds grows for ten minutes by Cyclone's megabyte, and looks like a leak.
+    "<Sizing><ReceiveBufferSize>256KiB</ReceiveBufferSize></Sizing>"
 )
 
 # rmw_fastrtps in its default range, SUBNET, looks for nobody on loopback. It finds us if we go on

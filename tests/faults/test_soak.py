@@ -1,0 +1,40 @@
+"""Many schedules of faults, as `make soak` runs them."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+SOAK = Path(__file__).with_name("soak.py")
+
+
+def test_an_interrupted_soak_leaves_no_process_and_knows_what_has_run(tmp_path):
+    results = tmp_path / "results.txt"
+    soak = subprocess.Popen(
+        [sys.executable, SOAK, "--count", "9", "--jobs", "2", "--results", results],
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    said = soak.stdout.readline()
+    assert ": recovered: " in said
+    soak.send_signal(signal.SIGTERM)
+    assert soak.wait(30.0) == 130
+    soak.stdout.close()
+    end = time.monotonic() + 10.0
+    while group_lives(soak.pid):
+        assert time.monotonic() < end, "processes are left"
+        time.sleep(0.05)
+    seed = said.partition(":")[0]
+    assert results.read_text().splitlines()[0] == f"{seed} recovered"
+
+
+def group_lives(group):
+    """Tell whether a process of a group is there."""
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
