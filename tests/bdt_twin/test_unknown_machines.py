@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from unknown_machine import Run, UnknownMachine, record
+from recorded_machine import Run, record
+from unknown_machine import UnknownMachine
 
 from bdt_plant.plant import PlantModel
 from bdt_twin.machine_knowledge import EFFECTS
@@ -30,7 +31,7 @@ MACHINES = {
     "the paper's": UnknownMachine(),
     "Coulomb friction": UnknownMachine(coulomb_friction=FRICTION),
     "Stribeck friction": UnknownMachine(coulomb_friction=FRICTION, friction_at_rest=1.6 * FRICTION),
-    "load": UnknownMachine(coulomb_friction=FRICTION, reflected_load=1.0 / EFFICIENCY),
+    "load": UnknownMachine(coulomb_friction=FRICTION, efficiency=EFFICIENCY),
     "amplifier offset": UnknownMachine(amplifier_offset=OFFSET),
     "late reading": UnknownMachine(delay=1e-3),
     "pushes": UnknownMachine(push_force=2.0),
@@ -44,7 +45,7 @@ MACHINES = {
         mass=5.2 * 1.02,
         stiffness=1e4 * 0.98,
         damping=36.9 * 1.1,
-        reflected_load=1.0,
+        efficiency=1.0,
         amplifier_offset=0.02,
         amplifier_bits=12,
         delay=2e-4,

@@ -1,15 +1,15 @@
-"""A lead-screw drive with everything that a real one has, and a loop around it.
+"""A lead-screw drive with everything that a real one has.
 
 Shares no equation with the repository: 20 us steps, the current implicit, the speed explicit but
-for Coulomb friction, which is set-valued: it stops the motor within a step, or takes what it can.
-Each integration leads by half a step, so the platform is some 40 us ahead of an exact solution.
+for friction and load of the screw, which are set-valued: they stop the motor within a step, or
+take what they can. Each integration leads by half a step, so the platform is some 40 us ahead of an
+exact solution.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +22,14 @@ STEP_TIME = 2e-5
 """Time of an integration step [s]."""
 PITCH = 1e-3 / (2.0 * math.pi)
 """Travel of the screw per angle [m/rad]."""
-CONTROL_RATE = 500.0
-"""Rate of the controller [Hz]."""
 LARGEST_VOLTAGE = 24.0
 """Limit of the voltage [V]."""
+PUSH_PERIOD, PUSH_TIME = 7.0, 0.05
+"""Time from one push to the next, and for which it lasts [s]."""
+SCALE_PERIOD = 20e-6
+"""Length over which the error of the reading is periodic [m]."""
+TOUCHING = 1e-12
+"""Angle [rad] within which motor and screw touch: the play sets one from the other, rounded."""
 
 
 @dataclass(frozen=True)
@@ -45,146 +49,102 @@ class UnknownMachine:
     friction_at_rest: float = 0.0
     """Friction of a motor that stands; the smaller of both counts as none."""
     stribeck_speed: float = 2.0
+    friction_asymmetry: float = 0.0
+    """Share by which friction is larger forward, and smaller backward."""
     cogging: float = 0.0
     cogs: float = 24.0
     mass: float = 5.2
     stiffness: float = 1e4
     damping: float = 36.9
-    reflected_load: float = 0.0
-    """Share of the structure's force that the screw hands on to the motor."""
+    cubic_stiffness: float = 0.0
+    """Force of a beam per cube of its bend [N/m^3]."""
+    efficiency: float = 0.0
+    """Of a screw that is driven against the structure; 0 for one that the structure never loads."""
+    amplifier_gain: float = 1.0
     amplifier_offset: float = 0.0
     amplifier_bits: int = 0
     noise: float = 1e-6
     quantum: float = 1e-7
     delay: float = 0.0
+    bias: float = 0.0
     drift_rate: float = 0.0
     encoder_error: float = 0.0
     """Amplitude of an error of the reading that is periodic over 20 um."""
     push_force: float = 0.0
-    """Force on the top platform for 50 ms every 7 s, to and fro."""
+    """Force on a platform for 50 ms every 7 s, to and fro."""
+    pushes_middle: bool = False
+    """Whether the second platform is pushed, not the top one."""
 
 
-@dataclass(frozen=True)
-class Run:
-    """What the loop does."""
-
-    duration: float = 30.0
-    sampling_rate: float = 1000.0
-    first_gap: float = math.radians(3.0)
-    last_gap: float = math.radians(12.0)
-    step: float = 5e-3
-    step_time: float = 5.0
-    seed: int = 1
-
-    def square_wave(self, time: float) -> float:
-        """Return the wanted position [m] at a time [s]."""
-        return self.step if int(time / self.step_time) % 2 == 0 else 0.0
-
-
-class Recording(NamedTuple):
-    """Telemetry rows (t [s], u [V], reading [m]), shape (n, 3), and the true gap [rad]."""
-
-    rows: FloatArray
-    gaps: FloatArray
-
-
-class Controller(Protocol):
-    """What closes the loop."""
-
-    def voltage(self, error: float, dead_zone: float) -> float:
-        """Return the voltage [V] for an error and half of a dead zone [m]."""
-
-
-class Proportional:
-    """Proportional control, which needs no dead zone.
-
-    Parameters
-    ----------
-    gain : float
-        Gain [V/m].
-    """
-
-    def __init__(self, gain: float) -> None:
-        self._gain = gain
-
-    def voltage(self, error: float, dead_zone: float) -> float:
-        """Return the voltage [V] for an error [m]."""
-        return min(max(self._gain * error, -LARGEST_VOLTAGE), LARGEST_VOLTAGE)
-
-
-class Pid:
-    """PID control with a dead zone as wide as the true gap.
-
-    The gains are those of the paper, discrete by backward differences.
-    """
-
-    PROPORTIONAL, INTEGRAL, DERIVATIVE, FILTER_TIME = 3080.0, 30800.0, -308.4, 0.074
-
-    def __init__(self) -> None:
-        self._decay = math.exp(-1.0 / (CONTROL_RATE * self.FILTER_TIME))
-        self._integral = self._filtered = 0.0
-
-    def voltage(self, error: float, dead_zone: float) -> float:
-        """Return the voltage [V] for an error and half of a dead zone [m]."""
-        rests = abs(error) <= dead_zone
-        felt = 0.0 if rests else error
-        integral = self._integral + felt / CONTROL_RATE
-        self._filtered = self._decay * self._filtered + (1.0 - self._decay) * felt
-        slope = (felt - self._filtered) / self.FILTER_TIME
-        wanted = self.PROPORTIONAL * felt + self.INTEGRAL * integral + self.DERIVATIVE * slope
-        bounded = 0.0 if rests else min(max(wanted, -LARGEST_VOLTAGE), LARGEST_VOLTAGE)
-        winds_up = abs(wanted) > LARGEST_VOLTAGE and wanted * felt > 0.0
-        self._integral = self._integral if winds_up else integral
-        return bounded
-
-
-def record(
-    machine: UnknownMachine,
-    run: Run | None = None,
-    controller: Controller | None = None,
-    reference: Callable[[float], float] | None = None,
-) -> Recording:
-    """Run a machine in the loop.
+class RunningMachine:
+    """A machine at rest that is about to move.
 
     Parameters
     ----------
     machine : UnknownMachine
         The machine.
-    run : Run, optional
-        What the loop does.
-    controller : Controller, optional
-        What closes it: without one the paper's.
-    reference : callable, optional
-        Returns the wanted position [m] at a time [s]: without one there are steps.
+    gaps : ndarray, shape (n,)
+        Its gap from each sample to the next [rad].
+    sampling_rate : float
+        Rate of the samples [Hz]: 50 kHz by a whole number.
+    seed : int
+        Of the sensor's noise.
     """
-    run = Run() if run is None else run
-    controller = Pid() if controller is None else controller
-    reference = run.square_wave if reference is None else reference
-    count = round(run.duration * run.sampling_rate)
-    inner = round(1.0 / (run.sampling_rate * STEP_TIME))
-    held = round(run.sampling_rate / CONTROL_RATE)
-    late = round(machine.delay / STEP_TIME)
-    times = np.arange(count) / run.sampling_rate
-    gaps = run.first_gap + (run.last_gap - run.first_gap) * (times / run.duration) ** 2
-    pushes = machine.push_force * _pushes(times)
-    noise = machine.noise * np.random.default_rng(run.seed).standard_normal(count)
-    state, constants = np.zeros(8), _constants(machine)
-    # Positions of the platform at every step: a delay is no whole number of samples.
-    positions, voltages = np.zeros(count * inner + 1), np.empty(count)
-    for sample in range(0, count, held):
-        time, after = times[sample], slice(sample, min(sample + held, count))
-        position = positions[max(sample * inner - late, 0)]
-        reading = float(_readings(machine, position, time, noise[sample]))
-        dead_zone = PITCH * float(gaps[sample]) + 1e-6
-        voltage = controller.voltage(reference(float(time)) - reading, dead_zone)
-        voltages[after] = voltage
-        steps = positions[sample * inner + 1 : after.stop * inner + 1]
-        applied = _amplified(machine, voltage)
-        _compiled_advance()(state, constants, applied, gaps[after], pushes[after], steps)
-    seen = positions[np.maximum(np.arange(count) * inner - late, 0)]
-    return Recording(
-        np.stack([times, voltages, _readings(machine, seen, times, noise)], axis=1), gaps
-    )
+
+    def __init__(
+        self, machine: UnknownMachine, gaps: FloatArray, sampling_rate: float, seed: int
+    ) -> None:
+        count = len(gaps)
+        self._machine, self._gaps = machine, gaps
+        self._inner = round(1.0 / (sampling_rate * STEP_TIME))
+        self._times = np.arange(count) / sampling_rate
+        self._pushes = machine.push_force * _pushes(self._times)
+        self._noise = machine.noise * np.random.default_rng(seed).standard_normal(count)
+        self._late = round(machine.delay / STEP_TIME)
+        # Positions of the platform at every step: a delay is no whole number of samples.
+        self._positions = np.zeros(count * self._inner + 1)
+        self._state, self._constants = np.zeros(9), _constants(machine)
+        self._voltages = np.empty(count)
+        self._sample = 0
+
+    @property
+    def time(self) -> float:
+        """Time [s]."""
+        return float(self._times[self._sample])
+
+    def reading(self) -> float:
+        """Return what the sensor reads now [m]."""
+        return float(self._readings(slice(self._sample, self._sample + 1))[0])
+
+    def hold(self, voltage: float, samples: int) -> None:
+        """Go on for some samples with a command [V]."""
+        count = slice(self._sample, min(self._sample + samples, len(self._gaps)))
+        self._voltages[count] = voltage
+        steps = self._positions[count.start * self._inner + 1 : count.stop * self._inner + 1]
+        applied = _amplified(self._machine, voltage)
+        gaps, pushes = self._gaps[count], self._pushes[count]
+        _compiled_advance()(self._state, self._constants, applied, gaps, pushes, steps)
+        self._sample = count.stop
+
+    def telemetry(self, first: int = 0) -> FloatArray:
+        """Return rows (t [s], u [V], reading [m]) from a sample to now, shape (n, 3)."""
+        seen = slice(first, self._sample)
+        return np.stack([self._times[seen], self._voltages[seen], self._readings(seen)], axis=1)
+
+    def true_positions(self) -> FloatArray:
+        """Return where the top platform was at each sample so far [m], shape (n,)."""
+        return self._positions[: self._sample * self._inner : self._inner]
+
+    def _readings(self, samples: slice) -> FloatArray:
+        times, machine = self._times[samples], self._machine
+        steps = np.arange(samples.start, samples.start + len(times)) * self._inner
+        position = self._positions[np.maximum(steps - self._late, 0)]
+        periodic = machine.encoder_error * np.sin(2.0 * math.pi * position / SCALE_PERIOD)
+        reading = position + periodic + machine.bias + machine.drift_rate * times
+        reading += self._noise[samples]
+        if machine.quantum > 0.0:
+            reading = np.round(reading / machine.quantum) * machine.quantum
+        return reading
 
 
 def _constants(machine: UnknownMachine) -> FloatArray:
@@ -200,36 +160,30 @@ def _constants(machine: UnknownMachine) -> FloatArray:
             machine.coulomb_friction,
             most - machine.coulomb_friction,
             machine.stribeck_speed,
+            machine.friction_asymmetry,
             machine.cogging,
             machine.cogs,
             machine.mass,
             machine.stiffness,
             machine.damping,
-            machine.reflected_load,
+            machine.cubic_stiffness,
+            machine.efficiency,
+            float(machine.pushes_middle),
         ]
     )
-
-
-def _readings(machine: UnknownMachine, position: Any, time: Any, noise: Any) -> Any:
-    """Return what the sensor reads, of one sample or of all."""
-    periodic = machine.encoder_error * np.sin(2.0 * math.pi * position / 20e-6)
-    reading = position + periodic + machine.drift_rate * time + noise
-    if machine.quantum > 0.0:
-        reading = np.round(reading / machine.quantum) * machine.quantum
-    return reading
 
 
 def _amplified(machine: UnknownMachine, voltage: float) -> float:
     if machine.amplifier_bits > 0:
         step = 2.0 * LARGEST_VOLTAGE / 2**machine.amplifier_bits
         voltage = round(voltage / step) * step
-    return voltage + machine.amplifier_offset
+    return machine.amplifier_gain * voltage + machine.amplifier_offset
 
 
 def _pushes(times: FloatArray) -> FloatArray:
     """Return the direction in which something pushes at each time, or zero."""
-    counts, since = np.divmod(times, 7.0)
-    return np.where((since < 0.05) & (counts > 0), (-1.0) ** counts, 0.0)
+    counts, since = np.divmod(times, PUSH_PERIOD)
+    return np.where((since < PUSH_TIME) & (counts > 0), (-1.0) ** counts, 0.0)
 
 
 @cache
@@ -247,31 +201,45 @@ def _advance(
     positions: FloatArray,
 ) -> None:
     inertia, inductance, resistance, per_ampere, back_emf = constants[:5]
-    viscous, coulomb, beyond, stribeck, cogging, cogs = constants[5:11]
-    mass, stiffness, damping, reflected = constants[11:15]
+    viscous, coulomb, beyond, stribeck, asymmetry, cogging, cogs = constants[5:12]
+    mass, stiffness, damping, cubic, efficiency, pushes_middle = constants[12:18]
     current, speed, motor, screw = state[:4]
-    q2, v2, q3, v3 = state[4:8]
+    q2, v2, q3, v3, base_speed = state[4:9]
     inner = positions.size // gaps.size
+    against = PITCH / efficiency if efficiency > 0.0 else 0.0
+    # A screw that the load drives: below a half it is self-locking.
+    along = PITCH * max(2.0 - 1.0 / efficiency, 0.0) if efficiency > 0.0 else 0.0
     for step in range(positions.size):
-        gap, push = gaps[step // inner], pushes[step // inner]
+        half, push = 0.5 * gaps[step // inner], pushes[step // inner]
         current += STEP_TIME / inductance * (voltage - back_emf * speed)
         current /= 1.0 + STEP_TIME * resistance / inductance
-        load = reflected * PITCH * stiffness * (q2 - PITCH * screw)
-        torque = per_ampere * current - viscous * speed + load - cogging * np.sin(cogs * motor)
-        free = speed + STEP_TIME / inertia * torque
+        torque = per_ampere * current - viscous * speed - cogging * np.sin(cogs * motor)
         friction = coulomb + beyond * np.exp(-((speed / stribeck) ** 2))
-        taken = min(STEP_TIME / inertia * friction, abs(free))
-        speed = free - taken if free > 0.0 else free + taken
+        bend = PITCH * screw - q2
+        load = stiffness * bend + cubic * bend**3 + damping * (base_speed - v2)
+        resists = against * load if load > 0.0 else along * load
+        forward = (1.0 + asymmetry) * friction
+        forward += resists if motor - screw >= half - TOUCHING else 0.0
+        resists = -against * load if load < 0.0 else -along * load
+        backward = (1.0 - asymmetry) * friction
+        backward += resists if motor - screw <= TOUCHING - half else 0.0
+        free = speed + STEP_TIME / inertia * torque
+        if free > 0.0:
+            speed = max(free - STEP_TIME / inertia * max(forward, 0.0), 0.0)
+        else:
+            speed = min(free + STEP_TIME / inertia * max(backward, 0.0), 0.0)
         motor += STEP_TIME * speed
         before = screw
-        screw = min(max(screw, motor - 0.5 * gap), motor + 0.5 * gap)
-        base, base_speed = PITCH * screw, PITCH * (screw - before) / STEP_TIME
-        lower = stiffness * (base - q2) + damping * (base_speed - v2)
-        upper = stiffness * (q3 - q2) + damping * (v3 - v2)
-        v2 += STEP_TIME * (lower + upper) / mass
-        v3 += STEP_TIME * (push - upper) / mass
+        screw = min(max(screw, motor - half), motor + half)
+        base_speed = PITCH * (screw - before) / STEP_TIME
+        bend = PITCH * screw - q2
+        lower = stiffness * bend + cubic * bend**3 + damping * (base_speed - v2)
+        bend = q3 - q2
+        upper = stiffness * bend + cubic * bend**3 + damping * (v3 - v2)
+        v2 += STEP_TIME * (lower + upper + pushes_middle * push) / mass
+        v3 += STEP_TIME * ((1.0 - pushes_middle) * push - upper) / mass
         q2 += STEP_TIME * v2
         q3 += STEP_TIME * v3
         positions[step] = q3
     state[0], state[1], state[2], state[3] = current, speed, motor, screw
-    state[4], state[5], state[6], state[7] = q2, v2, q3, v3
+    state[4], state[5], state[6], state[7], state[8] = q2, v2, q3, v3, base_speed

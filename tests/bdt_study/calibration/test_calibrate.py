@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import yaml
 from recorded_loops import Messages
-from unknown_machine import Proportional, Run, UnknownMachine, record
+from recorded_machine import Proportional, Run, record
+from unknown_machine import UnknownMachine
 
 from bdt_bringup.cli import run_command
 from bdt_bringup.configuration import load_configuration
@@ -114,7 +115,7 @@ def test_the_residual_is_the_noise_in_the_half_that_was_not_fitted_as_well(resul
     assert result.validation.times[0] > 0.4 * result.residual.times[-1]
 
 
-STICKING = replace(MACHINE, friction_at_rest=16e-3, stribeck_speed=3.0, reflected_load=0.01)
+STICKING = replace(MACHINE, friction_at_rest=16e-3, stribeck_speed=3.0)
 
 
 @pytest.fixture(scope="module")

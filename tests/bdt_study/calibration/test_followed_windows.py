@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from unknown_machine import Run, UnknownMachine, record
+from recorded_machine import Run, record
+from unknown_machine import UnknownMachine
 
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.fitted_data import Data

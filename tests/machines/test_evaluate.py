@@ -1,0 +1,80 @@
+"""The evaluation on independent machines: draws, loops with and without the twin, table."""
+
+import json
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from drawn_machines import KINDS, ROWS, drawn, named
+from machine_with_twin import BATCH, HOLD, run_with_twin, steps_with_true_gap
+
+SCRIPT = Path(__file__).with_name("evaluate.py")
+SECOND = 10 * HOLD * BATCH
+"""Samples in a second."""
+
+
+def shortened(trial, duration):
+    """Return a trial's beginning, with a gap that stays."""
+    gaps = np.full(duration * SECOND, math.radians(12.0))
+    return trial._replace(course=replace(trial.course, gaps=gaps, step_time=7.5))
+
+
+@pytest.fixture(scope="module")
+def friction():
+    return shortened(named("Coulomb friction 10 mN m", 0), 30)
+
+
+def test_a_twin_that_is_not_told_of_friction_finds_the_gap_and_sets_a_dead_zone(friction):
+    run = run_with_twin(*friction)
+    learned = [each for each in run.estimates if each.is_known and not each.reason]
+    assert len(learned) > 15
+    assert np.rad2deg([each.gap for each in learned]) == pytest.approx(12.0, abs=0.3)
+    assert 1.0 < run.first_dead_zone < 5.0
+    assert len(run.window_times) == len(run.estimates)
+    assert not any(step.limit_cycle for step in run.steps if step.t_start_s >= run.first_dead_zone)
+
+
+def test_a_loop_without_a_dead_zone_cycles_and_with_the_true_gap_does_not(friction):
+    with_gap = steps_with_true_gap(*friction)
+    assert [step.limit_cycle for step in with_gap] == [False] * 4
+    without = steps_with_true_gap(*friction, share=0.0)
+    assert [step.limit_cycle for step in without] == [True] * 4
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_seed_draws_the_same_machine_again_and_another_one_another(name):
+    one, again, other = drawn(name, 3), drawn(name, 3), drawn(name, 4)
+    assert one.machine == again.machine != other.machine
+    assert np.array_equal(one.course.gaps, again.course.gaps)
+    assert not np.array_equal(one.course.gaps, other.course.gaps)
+    assert 0.0 <= one.course.gaps.min() <= one.course.gaps.max() < math.radians(31.0)
+
+
+def test_results_are_read_back_and_a_finished_table_is_printed_at_once(tmp_path):
+    result = {
+        "estimates": 4,
+        "times": [10.0, 11.0],
+        "errors": [math.radians(0.1), math.radians(-0.3)],
+        "uncertainties": [math.radians(0.1)] * 2,
+        "steps": [[True, False], [True, True], [False, True], [False, False]],
+        "window_times": [0.05, 0.07, 0.05, 0.07],
+    }
+    results = tmp_path / "rows.jsonl"
+    results.write_text("".join(json.dumps([name, 7, result]) + "\n" for name in ROWS))
+    command = [sys.executable, str(SCRIPT), "--begin", "7", "--results", str(results)]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+    assert len(said) == 2 + len(ROWS)
+    assert said[2] == (
+        "| nothing, noise of 2 um | 50 % | 0.22°, 0.3° | 50 % | 2 of 4 (1; 2) | 60, 70 ms |"
+    )
+
+
+def test_a_kind_without_a_count_is_a_clear_error():
+    command = [sys.executable, str(SCRIPT), "--kind", "everyday"]
+    ended = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert ended.returncode == 2
+    assert ended.stderr.splitlines()[-1].endswith("error: each --kind needs a --count")

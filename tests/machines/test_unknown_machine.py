@@ -1,0 +1,93 @@
+"""The independent machine moves as the plant does, with each effect and with all of them."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from machine_with_twin import HOLD, SAMPLING_RATE
+from unknown_machine import PITCH, RunningMachine, UnknownMachine
+
+from bdt_plant.actuator import ActuatorParameters
+from bdt_plant.cogging import CoggingParameters
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.motor import MotorParameters
+from bdt_plant.plant import PlantModel
+from bdt_plant.screw_load import ScrewMechanics
+from bdt_plant.sensor import SensorParameters
+from bdt_plant.stiffening_tower import BeamParameters
+from bdt_plant.stribeck import StribeckParameters
+from bdt_study.simulation.closed_loop import Scenario, simulate
+
+DURATION = 12.0
+GAP = math.radians(12.0)
+LEAD = 4e-5
+"""Time by which the independent machine is ahead [s]."""
+LIKENESS = 2e-7
+"""Distance of both [m], in motions of 16 mm."""
+QUIET = UnknownMachine(noise=0.0, quantum=0.0)
+MOTOR = MotorParameters()
+
+
+def frictional(**constants):
+    """Return a motor with 10 mN m of friction, and more."""
+    return replace(MOTOR, coulomb_friction=0.01, **constants)
+
+
+EFFECTS = {
+    "nothing": ({}, {}, {}),
+    "Coulomb friction": ({"coulomb_friction": 0.01}, {"motor": frictional()}, {}),
+    "viscous friction": (
+        {"viscous_friction": 2e-5},
+        {"motor": replace(MOTOR, viscous_friction=2e-5)},
+        {},
+    ),
+    "friction at rest, larger forward": (
+        {"coulomb_friction": 0.01, "friction_at_rest": 0.016, "friction_asymmetry": 0.2},
+        {"motor": frictional(), "stribeck": StribeckParameters(0.016, 2.0, 0.2)},
+        {},
+    ),
+    "cogging beside friction": (
+        {"coulomb_friction": 0.01, "cogging": 3e-3},
+        {"motor": frictional(), "cogging": CoggingParameters(3e-3, 24)},
+        {},
+    ),
+    "load": (
+        {"coulomb_friction": 0.01, "efficiency": 0.4},
+        {"motor": frictional(), "screw_mechanics": ScrewMechanics(0.4)},
+        {},
+    ),
+    "stiffening beams": ({"cubic_stiffness": 2e6}, {"beams": BeamParameters(2e6)}, {}),
+    "amplifier": (
+        {"amplifier_gain": 1.02, "amplifier_offset": 0.05},
+        {},
+        {"actuator": ActuatorParameters(gain=1.02, offset=0.05)},
+    ),
+    "sensor": (
+        {"delay": 1e-3, "bias": 5e-5, "drift_rate": 2e-7},
+        {},
+        {"sensor": SensorParameters(delay=1e-3, bias=5e-5, drift=2e-7)},
+    ),
+}
+"""What each effect is for the independent machine, for the mechanism and for what is around it."""
+
+
+def readings(machine, voltages):
+    """Return what the independent machine reads when it is given some voltages [m]."""
+    running = RunningMachine(machine, np.full(len(voltages), GAP), SAMPLING_RATE, seed=0)
+    for voltage in voltages[::HOLD]:
+        running.hold(float(voltage), HOLD)
+    return running.telemetry()[:, 2]
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_the_same_voltages_move_both_alike(name):
+    constants, parts, around = EFFECTS[name]
+    gap = GapProfile(kind="constant", initial=GAP)
+    scenario = Scenario(DURATION, gap=gap, dead_zone=1.2 * PITCH * GAP, model=PlantModel(**parts))
+    loop = simulate(replace(scenario, **around), ("u", "measured"))
+    found, without = (readings(each, loop.u) for each in (replace(QUIET, **constants), QUIET))
+    late = np.interp(loop.t - LEAD, loop.t, found)
+    assert np.abs(late - loop.measured).max() < LIKENESS
+    if constants:
+        assert np.abs(without - loop.measured).max() > 5.0 * LIKENESS
