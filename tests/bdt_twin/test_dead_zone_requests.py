@@ -1,5 +1,7 @@
 """Requests to the controller's parameter service, and which controller is a new one."""
 
+from functools import partial
+
 import pytest
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
@@ -65,7 +67,8 @@ def test_a_controller_that_comes_before_the_answer_of_another_one_is_new(ros):
     asker.start_controller()
     assert asker.requests.controller_appeared()
     asker.requests.send(WIDE)
-    ros.create(Node, CONTROLLER_NODE)
+    # Without services, so that it is the other one that answers.
+    ros.create(partial(Node, start_parameter_services=False), CONTROLLER_NODE)
     ros.spin_until(lambda: asker.ended)
     assert asker.requests.accepted == 1
     assert asker.requests.controller_appeared()
