@@ -1,7 +1,6 @@
 """The controller and the digital twin around a machine that shares no equation with them."""
 
 import math
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +13,9 @@ from bdt_controller.notch import NO_NOTCH
 from bdt_controller.pid import PidGains
 from bdt_plant.plant import PlantModel
 from bdt_study.design.tuned_gains import TUNED_GAINS
+from bdt_study.evaluation.trial import MARGIN, InstrumentedEstimator
 from bdt_study.simulation.offline_twin import OfflineTwin
-from bdt_twin.dead_zone_tolerance import DeadZoneRule, DeadZoneSettings
+from bdt_twin.dead_zone_tolerance import DeadZoneRule
 from bdt_twin.decider import create_decider
 from bdt_twin.decision import ControllerGains
 from bdt_twin.decision_settings import DecisionSettings
@@ -30,8 +30,6 @@ HOLD = round(SAMPLING_RATE / CONTROL_RATE)
 BATCH = 50
 """Control periods in a batch of telemetry: 0.1 s."""
 PITCH = PlantModel().lead_screw.pitch
-DEAD_ZONE = DeadZoneSettings(coverage_factor=2.0, margin=math.radians(1.0), horizon=1.5)
-"""That of laboratory.yaml."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,21 +107,6 @@ class _Controller:
         return voltage
 
 
-class _TimedEstimator(OutputErrorEstimator):
-    """An estimator that notes the processor time of each estimate."""
-
-    def __init__(self) -> None:
-        super().__init__(PlantModel(), OutputErrorSettings(), SAMPLING_RATE)
-        self.times: list[float] = []
-
-    def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
-        began = time.thread_time()
-        estimate = super().update(batch, newest_only=newest_only)
-        if estimate is not None:
-            self.times.append(time.thread_time() - began)
-        return estimate
-
-
 def run_with_twin(machine: UnknownMachine, course: Course) -> MachineRun:
     """Run a machine with a controller and a twin that know the paper's constants alone.
 
@@ -134,19 +117,21 @@ def run_with_twin(machine: UnknownMachine, course: Course) -> MachineRun:
     course : Course
         What it does.
     """
-    estimator, today = _TimedEstimator(), ControllerGains(PidGains(), NO_NOTCH)
+    estimator = InstrumentedEstimator(
+        OutputErrorEstimator(PlantModel(), OutputErrorSettings(), SAMPLING_RATE), noise=0.0
+    )
     decider = create_decider(
         DecisionSettings(
             kind=course.decision, reconfigure_gains=True, voltage_limit=LARGEST_VOLTAGE
         ),
         PlantModel(),
-        today,
+        ControllerGains(PidGains(), NO_NOTCH),
         TUNED_GAINS,
         estimator,
         DelayedLink(PAPER_LINK).expected_delay,
-        DEAD_ZONE.horizon,
+        MARGIN.horizon,
     )
-    reconfigurator = Reconfigurator(DeadZoneRule(DEAD_ZONE, PITCH), DelayedLink(PAPER_LINK))
+    reconfigurator = Reconfigurator(DeadZoneRule(MARGIN, PITCH), DelayedLink(PAPER_LINK))
     twin = OfflineTwin(estimator, reconfigurator, decider, compensates=True)
     running = RunningMachine(machine, course.gaps, SAMPLING_RATE, course.seed)
     controller = _Controller()
