@@ -6,13 +6,14 @@ pushes. The limits are about twice what was measured.
 """
 
 import math
+from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 from recorded_machine import Run, record
-from unknown_machine import UnknownMachine
+from unknown_machine import EVERYDAY, UnknownMachine
 
 from bdt_plant.plant import PlantModel
 from bdt_twin.machine_knowledge import EFFECTS
@@ -35,23 +36,7 @@ MACHINES = {
     "amplifier offset": UnknownMachine(amplifier_offset=OFFSET),
     "late reading": UnknownMachine(delay=1e-3),
     "pushes": UnknownMachine(push_force=2.0),
-    "everyday": UnknownMachine(
-        resistance=12.0 * 1.08,
-        back_emf_constant=0.1 * 1.04,
-        viscous_friction=5e-5,
-        coulomb_friction=8e-3,
-        friction_at_rest=10e-3,
-        cogging=1e-3,
-        mass=5.2 * 1.02,
-        stiffness=1e4 * 0.98,
-        damping=36.9 * 1.1,
-        efficiency=1.0,
-        amplifier_offset=0.02,
-        amplifier_bits=12,
-        delay=2e-4,
-        drift_rate=5e-6 / 120.0,
-        encoder_error=0.2e-6,
-    ),
+    "everyday": replace(EVERYDAY, viscous_friction=5e-5, efficiency=1.0),
 }
 
 

@@ -2,18 +2,20 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from machine_with_twin import SAMPLING_RATE, Course
-from unknown_machine import FloatArray, UnknownMachine
+from unknown_machine import EVERYDAY, PER_RUN, FloatArray, UnknownMachine
+
+from bdt_study.evaluation.machine_effects import Draws, MachineEffects
+from bdt_study.evaluation.machines import MACHINES
 
 PAPER_TIME, PAPER_GAP = 120.0, math.radians(30.0)
 """Duration [s] and last gap [rad] of the paper's scenario."""
 DRAWN_TIME = 60.0
 """Duration of a machine that is drawn [s]."""
-PER_RUN = 1.0 / PAPER_TIME
-"""Makes a drift [m/s] of what it is over the paper's run [m]."""
 
 ROWS = {
     "nothing, noise of 2 um": UnknownMachine(noise=2e-6),
@@ -32,23 +34,7 @@ ROWS = {
     "amplifier of 12 bits": UnknownMachine(amplifier_bits=12),
     "sensor bias 50 um": UnknownMachine(bias=50e-6),
     "periodic error 0.5 um": UnknownMachine(encoder_error=0.5e-6),
-    "everyday": UnknownMachine(
-        resistance=12.0 * 1.08,
-        back_emf_constant=0.1 * 1.04,
-        viscous_friction=1e-5,
-        coulomb_friction=8e-3,
-        friction_at_rest=10e-3,
-        cogging=1e-3,
-        mass=5.2 * 1.02,
-        stiffness=1e4 * 0.98,
-        damping=36.9 * 1.1,
-        efficiency=0.4,
-        amplifier_offset=0.02,
-        amplifier_bits=12,
-        delay=2e-4,
-        drift_rate=5e-6 * PER_RUN,
-        encoder_error=0.2e-6,
-    ),
+    "everyday": EVERYDAY,
 }
 """One effect at a time, and all of them."""
 
@@ -67,85 +53,54 @@ def named(name: str, seed: int) -> Trial:
     return Trial(ROWS[name], Course(PAPER_GAP * shares**2, seed=seed, decision=decision))
 
 
-class _Draws:
-    """Sizes of effects, drawn evenly between a share of the largest and the largest."""
+def machine_with(
+    effects: MachineEffects, generator: np.random.Generator, gain: float = 0.0, bias: float = 0.0
+) -> UnknownMachine:
+    """Return a machine with effects up to those of a case of `bdt evaluate`.
 
-    def __init__(self, generator: np.random.Generator, least: float) -> None:
-        self._generator, self._least = generator, least
+    Parameters
+    ----------
+    effects : MachineEffects
+        Largest sizes; what is zero is not drawn.
+    generator : numpy.random.Generator
+        What they are drawn from.
+    gain, bias : float
+        Largest deviation of the amplifier's gain, as a fraction, and bias of the sensor [m].
+    """
+    draws = Draws(generator, effects.least)
 
-    def size(self, largest: float) -> float:
-        return largest * float(self._generator.uniform(self._least, 1.0))
+    def size(largest: float) -> float:
+        return draws.size(largest) if largest else 0.0
 
-    def signed(self, largest: float) -> float:
-        return self.size(largest) * float(self._generator.choice((-1.0, 1.0)))
+    def signed(largest: float) -> float:
+        return draws.signed(largest) if largest else 0.0
 
-    def between(self, low: float, high: float) -> float:
-        return float(self._generator.uniform(low, high))
-
-    def one_of(self, *choices: float) -> float:
-        return float(self._generator.choice(choices))
-
-
-def everyday(generator: np.random.Generator) -> UnknownMachine:
-    """Return a machine with a bit of everything."""
-    draws = _Draws(generator, 0.5)
-    coulomb = draws.size(8e-3)
+    coulomb, nominal = size(effects.friction), UnknownMachine()
     return UnknownMachine(
-        resistance=12.0 * (1.0 + draws.signed(0.08)),
-        back_emf_constant=0.1 * (1.0 + draws.signed(0.04)),
-        viscous_friction=draws.size(1e-5),
+        resistance=nominal.resistance * (1.0 + signed(effects.resistance_error)),
+        back_emf_constant=nominal.back_emf_constant * (1.0 + signed(effects.gain_error)),
+        viscous_friction=size(effects.viscous_friction),
         coulomb_friction=coulomb,
-        friction_at_rest=coulomb * (1.0 + draws.size(0.25)),
-        stribeck_speed=draws.between(1.0, 4.0),
-        cogging=draws.size(1e-3),
-        cogs=draws.one_of(12.0, 24.0, 36.0),
-        mass=5.2 * (1.0 + draws.signed(0.02)),
-        stiffness=1e4 * (1.0 + draws.signed(0.02)),
-        damping=36.9 * (1.0 + draws.signed(0.1)),
-        efficiency=draws.between(0.2, 0.9),
-        amplifier_offset=draws.signed(0.02),
-        amplifier_bits=12,
-        delay=draws.size(2e-4),
-        drift_rate=draws.signed(5e-6 * PER_RUN),
-        encoder_error=draws.size(2e-7),
+        friction_at_rest=coulomb * (1.0 + size(effects.stribeck)),
+        stribeck_speed=draws.between(1.0, 4.0) if effects.stribeck else nominal.stribeck_speed,
+        friction_asymmetry=signed(effects.friction_asymmetry),
+        cogging=size(effects.cogging),
+        cogs=float(draws.one_of(12, 24, 36)),
+        mass=nominal.mass * (1.0 + signed(effects.mechanics_error)),
+        stiffness=nominal.stiffness * (1.0 + signed(effects.mechanics_error)),
+        damping=nominal.damping * (1.0 + signed(effects.damping_error)),
+        cubic_stiffness=size(effects.cubic_stiffness),
+        efficiency=draws.between(0.2, 0.9) if effects.load else 0.0,
+        amplifier_gain=1.0 + signed(gain),
+        amplifier_offset=signed(effects.offset),
+        amplifier_bits=12 if effects.resolution else 0,
+        delay=size(effects.delay),
+        bias=signed(bias),
+        drift_rate=signed(effects.drift),
+        encoder_error=size(effects.periodic_error),
+        push_force=size(effects.push),
+        pushes_middle=bool(draws.one_of(0, 1)) if effects.push else False,
     )
-
-
-def unknown(generator: np.random.Generator) -> UnknownMachine:
-    """Return a machine with all effects, each from nothing to much."""
-    draws = _Draws(generator, 0.0)
-    coulomb = draws.size(0.04)
-    return UnknownMachine(
-        resistance=12.0 * (1.0 + draws.signed(0.08)),
-        back_emf_constant=0.1 * (1.0 + draws.signed(0.05)),
-        viscous_friction=draws.size(2e-5),
-        coulomb_friction=coulomb,
-        friction_at_rest=coulomb * (1.0 + draws.size(0.6)),
-        stribeck_speed=draws.between(1.0, 4.0),
-        friction_asymmetry=draws.signed(0.2),
-        cogging=draws.size(3e-3),
-        cogs=draws.one_of(12.0, 24.0, 36.0),
-        mass=5.2 * (1.0 + draws.signed(0.02)),
-        stiffness=1e4 * (1.0 + draws.signed(0.02)),
-        damping=36.9 * (1.0 + draws.signed(0.15)),
-        cubic_stiffness=draws.size(2e6),
-        efficiency=draws.between(0.2, 0.9),
-        amplifier_gain=1.0 + draws.signed(0.02),
-        amplifier_offset=draws.signed(0.05),
-        amplifier_bits=12,
-        delay=draws.size(1e-3),
-        bias=draws.signed(50e-6),
-        drift_rate=draws.signed(20e-6 * PER_RUN),
-        encoder_error=draws.size(5e-7),
-        push_force=draws.size(1.0),
-        pushes_middle=draws.one_of(0.0, 1.0) == 1.0,
-    )
-
-
-def cogging(generator: np.random.Generator) -> UnknownMachine:
-    """Return a machine with nothing but cogging."""
-    draws = _Draws(generator, 0.0)
-    return UnknownMachine(cogging=draws.size(3e-3), cogs=draws.one_of(12.0, 24.0, 36.0))
 
 
 def worn(times: FloatArray, generator: np.random.Generator) -> FloatArray:
@@ -175,6 +130,11 @@ class Kind(NamedTuple):
     gaps: Callable[[FloatArray, np.random.Generator], FloatArray] = worn
     decision: str = "simulate"
 
+
+EFFECTS = {case.name: case.effects for case in MACHINES}
+everyday = partial(machine_with, EFFECTS["everyday"])
+unknown = partial(machine_with, EFFECTS["unknown_machine"], gain=0.02, bias=50e-6)
+cogging = partial(machine_with, EFFECTS["cogging"])
 
 KINDS = {
     "everyday": Kind(everyday),

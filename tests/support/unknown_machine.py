@@ -28,6 +28,8 @@ PUSH_PERIOD, PUSH_TIME = 7.0, 0.05
 """Time from one push to the next, and for which it lasts [s]."""
 SCALE_PERIOD = 20e-6
 """Length over which the error of the reading is periodic [m]."""
+PER_RUN = 1.0 / 120.0
+"""Makes a drift [m/s] of what it is over the paper's run [m]."""
 TOUCHING = 1e-12
 """Angle [rad] within which motor and screw touch: the play sets one from the other, rounded."""
 
@@ -74,6 +76,26 @@ class UnknownMachine:
     """Force on a platform for 50 ms every 7 s, to and fro."""
     pushes_middle: bool = False
     """Whether the second platform is pushed, not the top one."""
+
+
+EVERYDAY = UnknownMachine(
+    resistance=12.0 * 1.08,
+    back_emf_constant=0.1 * 1.04,
+    viscous_friction=1e-5,
+    coulomb_friction=8e-3,
+    friction_at_rest=10e-3,
+    cogging=1e-3,
+    mass=5.2 * 1.02,
+    stiffness=1e4 * 0.98,
+    damping=36.9 * 1.1,
+    efficiency=0.4,
+    amplifier_offset=0.02,
+    amplifier_bits=12,
+    delay=2e-4,
+    drift_rate=5e-6 * PER_RUN,
+    encoder_error=0.2e-6,
+)
+"""A machine with a bit of everything."""
 
 
 class RunningMachine:

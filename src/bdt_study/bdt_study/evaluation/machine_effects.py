@@ -82,11 +82,19 @@ NO_EFFECTS = MachineEffects()
 """A mechanism as the paper has it."""
 
 
-class _Draws:
-    """Random sizes, each drawn whether it is used or not: an effect does not move the others."""
+class Draws:
+    """Random sizes of effects.
 
-    def __init__(self, seed: int, least: float) -> None:
-        self._generator = np.random.default_rng((seed, STREAM))
+    Parameters
+    ----------
+    generator : numpy.random.Generator
+        What they are drawn from.
+    least : float
+        Least share of the largest size that is drawn.
+    """
+
+    def __init__(self, generator: np.random.Generator, least: float) -> None:
+        self._generator = generator
         self._least = least
 
     def size(self, largest: float) -> float:
@@ -120,7 +128,8 @@ def with_effects(scenario: Scenario, effects: MachineEffects, seed: int) -> Scen
     """
     if effects == NO_EFFECTS:
         return scenario
-    draws = _Draws(seed, effects.least)
+    # Each is drawn whether it is used or not: an effect does not move the others.
+    draws = Draws(np.random.default_rng((seed, STREAM)), effects.least)
     model = _draw_mechanism(scenario.model, effects, draws)
     return replace(
         scenario,
@@ -130,7 +139,7 @@ def with_effects(scenario: Scenario, effects: MachineEffects, seed: int) -> Scen
     )
 
 
-def _draw_mechanism(model: PlantModel, effects: MachineEffects, draws: _Draws) -> PlantModel:
+def _draw_mechanism(model: PlantModel, effects: MachineEffects, draws: Draws) -> PlantModel:
     motor, structure = model.motor, model.structure
     coulomb = draws.size(effects.friction)
     stribeck = StribeckParameters(
@@ -151,7 +160,7 @@ def _draw_mechanism(model: PlantModel, effects: MachineEffects, draws: _Draws) -
 
 
 def _draw_motor(
-    motor: MotorParameters, effects: MachineEffects, draws: _Draws, coulomb: float
+    motor: MotorParameters, effects: MachineEffects, draws: Draws, coulomb: float
 ) -> MotorParameters:
     return replace(
         motor,
@@ -163,7 +172,7 @@ def _draw_motor(
 
 
 def _draw_structure(
-    structure: StructureParameters, effects: MachineEffects, draws: _Draws
+    structure: StructureParameters, effects: MachineEffects, draws: Draws
 ) -> StructureParameters:
     return StructureParameters(
         structure.mass * (1.0 + draws.signed(effects.mechanics_error)),
@@ -172,13 +181,13 @@ def _draw_structure(
     )
 
 
-def _draw_pushes(effects: MachineEffects, draws: _Draws, seed: int) -> PushParameters:
+def _draw_pushes(effects: MachineEffects, draws: Draws, seed: int) -> PushParameters:
     force, platform = draws.size(effects.push), draws.one_of(2, 3)
     return PushParameters(force, duration=0.05, period=7.0, platform=platform, seed=seed)
 
 
 def _draw_sensor(
-    sensor: SensorParameters, effects: MachineEffects, draws: _Draws
+    sensor: SensorParameters, effects: MachineEffects, draws: Draws
 ) -> SensorParameters:
     return replace(
         sensor,
@@ -190,7 +199,7 @@ def _draw_sensor(
 
 
 def _draw_actuator(
-    actuator: ActuatorParameters, effects: MachineEffects, draws: _Draws
+    actuator: ActuatorParameters, effects: MachineEffects, draws: Draws
 ) -> ActuatorParameters:
     offset = draws.signed(effects.offset)
     return replace(actuator, offset=offset, resolution=effects.resolution)
