@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.plant import PlantModel
+from bdt_plant.quick_exponential import compiled_powers
 from bdt_twin.decision import ControllerGains, Decision
 from bdt_twin.decision_loop import compiled_steps
 from bdt_twin.decision_settings import DecisionSettings
@@ -67,6 +68,7 @@ def create_decider(
         return no_decider
     offered = redesign if settings.reconfigure_gains else None
     # Whatever is not in numba's cache is compiled now, not when the first batch waits.
+    compiled_powers()
     compiled_steps()
     decision = SimulatedDecision(settings, model, today, offered, horizon)
     resumes = True

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import float_exponential
 from bdt_plant.plant import PlantModel
+from bdt_plant.quick_exponential import compiled_powers
 from bdt_twin import fixed_order, robust_sums
 from bdt_twin.answer_check import AnswerCheck
 from bdt_twin.cogging_search import compiled_waves
@@ -43,6 +44,7 @@ LOOPS = (
     compiled_gains,
     compiled_innovations,
     compiled_waves,
+    compiled_powers,
     *fixed_order.COMPILED,
     *robust_sums.COMPILED,
 )
