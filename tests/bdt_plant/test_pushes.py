@@ -23,6 +23,15 @@ def test_pushes_come_at_every_period_from_the_first_on_and_take_turns():
 
 def test_by_default_nobody_pushes():
     assert not forces(20.0).any()
+    assert not PushParameters().fall_between(0.0, 20.0)
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0.5, 2.0), (1.0, 2.0), (1.2, 3.0), (3.0, 5.5)])
+def test_it_is_told_whether_a_push_falls_into_a_time(begin, end):
+    pushes = {"force": 2.0, "duration": 0.001, "period": 1.5}
+    begun = np.flatnonzero(forces(6.0, **pushes)) / RATE
+    expected = bool(((begun >= begin) & (begun < end)).any())
+    assert PushParameters(**pushes).fall_between(begin, end) is expected
 
 
 def test_a_seed_means_one_sequence_of_directions_with_both_about_as_often():

@@ -60,7 +60,10 @@ def test_results_are_read_back_and_a_finished_table_is_printed_at_once(tmp_path)
         "times": [10.0, 11.0],
         "errors": [math.radians(0.1), math.radians(-0.3)],
         "uncertainties": [math.radians(0.1)] * 2,
-        "steps": [[True, False], [True, True], [False, True], [False, False]],
+        "steps": [
+            *([True, False, False], [True, True, False], [False, True, False]),
+            *([False, False, False], [True, False, True], [False, True, True]),
+        ],
         "window_times": [0.05, 0.07, 0.05, 0.07],
     }
     results = tmp_path / "rows.jsonl"
@@ -69,7 +72,8 @@ def test_results_are_read_back_and_a_finished_table_is_printed_at_once(tmp_path)
     said = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
     assert len(said) == 2 + len(ROWS)
     assert said[2] == (
-        "| nothing, noise of 2 um | 50 % | 0.22°, 0.3° | 50 % | 2 of 4 (1; 2) | 60, 70 ms |"
+        "| nothing, noise of 2 um | 50 % | 0.22°, 0.3° | 50 % "
+        "| 2 of 4 (1; 2) | 1 of 2 (1; 1) | 60, 70 ms |"
     )
 
 

@@ -4,7 +4,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from unknown_machine import LARGEST_VOLTAGE, FloatArray, RunningMachine, UnknownMachine
+from unknown_machine import (
+    LARGEST_VOLTAGE,
+    PUSH_PERIOD,
+    PUSH_TIME,
+    FloatArray,
+    RunningMachine,
+    UnknownMachine,
+)
 
 from bdt_analysis.metrics.reference_steps import find_steps
 from bdt_analysis.metrics.step_analysis import StepSummary, summarize_step
@@ -12,8 +19,9 @@ from bdt_controller.control_law import INITIAL_CONTROL, control_step, discretize
 from bdt_controller.notch import NO_NOTCH
 from bdt_controller.pid import PidGains
 from bdt_plant.plant import PlantModel
+from bdt_plant.pushes import PushParameters
 from bdt_study.design.tuned_gains import TUNED_GAINS
-from bdt_study.evaluation.trial import MARGIN, InstrumentedEstimator
+from bdt_study.evaluation.trial import MARGIN, InstrumentedEstimator, is_pushed_while_judged
 from bdt_study.simulation.offline_twin import OfflineTwin
 from bdt_twin.dead_zone_tolerance import DeadZoneRule
 from bdt_twin.decider import create_decider
@@ -172,6 +180,12 @@ def steps_with_true_gap(
         error = course.reference(running.time) - running.reading()
         running.hold(controller.voltage(error, tolerances[period], 0.0), HOLD)
     return _steps(course, running)
+
+
+def is_pushed(machine: UnknownMachine, course: Course, step: StepSummary) -> bool:
+    """Tell whether something pushes the machine while a step of its course is judged."""
+    pushes = PushParameters(machine.push_force, PUSH_TIME, PUSH_PERIOD)
+    return is_pushed_while_judged(step.t_start_s, course.step_time, pushes)
 
 
 def _steps(course: Course, running: RunningMachine) -> list[StepSummary]:

@@ -1,5 +1,6 @@
 """Pushes on a platform: somebody leans on the machine, now and then."""
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,6 +31,11 @@ class PushParameters:
                 f"PushParameters.duration = {self.duration!r} s: "
                 f"must be at most period ({self.period:g} s)"
             )
+
+    def fall_between(self, begin: float, end: float) -> bool:
+        """Tell whether a push begins in a time from `begin` to before `end` [s]."""
+        first = max(math.ceil(begin / self.period), 1)
+        return self.force > 0.0 and first * self.period < end
 
 
 class Pushes(NamedTuple):

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from importlib.util import find_spec
 
 import pytest
@@ -40,6 +41,9 @@ FIELDS = [
     "taken_back",
     "window_ms",
     "runs",
+    "pushed_steps",
+    "pushed_limit_cycles",
+    "pushed_limit_cycles_with_true_gap",
 ]
 
 
@@ -174,6 +178,18 @@ def test_a_terminal_of_80_columns_shows_every_number_with_its_unit():
     shown = [word for line in lines for word in line]
     assert shown.count("[deg]") == 2
     assert {"avoidable", "settling", "[%]", "[s]", "[ms]"} <= set(shown)
+
+
+def test_steps_that_were_pushed_stand_below_the_table():
+    numbers = (1.0, 2.0, 95.0, None, 100.0, 0.0, 0.0, 100.0, 100.0, 0.5, 3.0, 0, 50.0, 16)
+    row = CaseOutcome("pushes", "output_error", "equation_9", *numbers)
+    assert not any("pushed" in line for line in printed([row]))
+    lines = printed([row, replace(row, pushed_steps=9, pushed_limit_cycles=2)])
+    told = " ".join(word for line in lines for word in line)
+    assert told.endswith(
+        "without 9 steps that something pushed while they were judged; 2 of them look like a limit "
+        "cycle, with the true gap 0"
+    )
 
 
 def test_a_figure_has_cases_that_decide_in_different_ways(in_this_process, tmp_path, capsys):

@@ -117,3 +117,14 @@ def test_settling_is_the_median_over_all_steps_and_unknown_where_that_does_not_s
 def test_the_bias_is_the_median_of_the_worst_of_each_run():
     trials = [trial([0.1], [1.0], worst_bias=bias) for bias in (0.2, 0.4, 3.0)]
     assert summarize_trials("c", "e", trials).worst_bias_percent == 0.4
+
+
+def test_steps_that_were_pushed_are_added_up():
+    trials = [
+        replace(trial([0.1], [1.0]), pushed_steps=4, pushed_limit_cycles=1, pushed_with_true_gap=2),
+        replace(trial([0.1], [1.0]), pushed_steps=3, pushed_with_true_gap=1),
+    ]
+    row = summarize_trials("c", "e", trials)
+    assert row.limit_cycle_free_percent == 100.0
+    pushed = row.pushed_steps, row.pushed_limit_cycles, row.pushed_limit_cycles_with_true_gap
+    assert pushed == (7, 1, 3)

@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bdt_analysis.metrics.reference_steps import find_steps
 from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.gap_profile import GapProfile
+from bdt_plant.pushes import PushParameters
 from bdt_study.evaluation import cases, trial
 from bdt_study.evaluation.cases import CASES, draw_scenario
 from bdt_study.evaluation.machine_effects import MachineEffects
@@ -15,9 +17,11 @@ from bdt_study.evaluation.trial import (
     avoidable_limit_cycles,
     error_of,
     evaluate_loop,
+    is_pushed_while_judged,
     judged_steps,
     run_trial,
     steps_with_true_gap,
+    without_pushed,
 )
 from bdt_study.simulation.closed_loop import Trajectory, simulate
 from bdt_study.simulation.twin_loop import TwinTrajectory
@@ -143,6 +147,50 @@ def test_an_offset_of_the_amplifier_is_no_fault_of_the_estimator():
     assert judge(scenario, run)[0] == 3
     _, steps_without = judge_beside_the_true_gap(scenario, run)
     assert steps_without <= 1
+
+
+def test_steps_that_something_pushes_while_they_are_judged_are_counted_apart():
+    """Pushes at 6.5, 13 and 19.5 s; steps of 8 s are judged by their last 3 s."""
+    scenario, run = run_with(lambda t: 0.0 * t)
+    pushes = PushParameters(force=1.0, period=6.5)
+    scenario = replace(scenario, model=replace(scenario.model, pushes=pushes))
+    steps = judged_steps(scenario, run.loop, run.tolerances)
+    assert [step.limit_cycle for step in steps] == [True] * 3
+    ideal = [replace(step, limit_cycle=step is steps[1]) for step in steps]
+    calm, calm_ideal, pushed = without_pushed(scenario, steps, ideal)
+    assert calm == steps[2:]
+    assert calm_ideal == ideal[2:]
+    assert pushed == (2, 2, 1)
+
+
+def test_without_pushes_all_steps_count():
+    scenario, run = run_with(lambda t: 0.0 * t)
+    steps = judged_steps(scenario, run.loop, run.tolerances)
+    assert without_pushed(scenario, steps, steps) == (steps, steps, (0, 0, 0))
+
+
+@pytest.mark.parametrize("length", [4.0, 5.0, 8.0, 12.0])
+def test_a_step_is_pushed_where_the_analysis_looks_at_it(length):
+    times = np.arange(0.0, 3.0 * length, 0.01)
+    levels = np.array([(0.0, 5e-3), (length, 0.0), (2.0 * length, 5e-3)])
+    telemetry = np.column_stack([times, 0.0 * times, 0.0 * times])
+    for step in find_steps(levels, telemetry, 0.01):
+        for period in np.arange(1.03, 40.0, 0.37):
+            begun = period * np.arange(1.0, 40.0)
+            expected = bool(((begun >= step.t_end - step.window) & (begun < step.t_end)).any())
+            pushes = PushParameters(force=1.0, period=float(period))
+            assert is_pushed_while_judged(step.t_start, length, pushes) is expected
+
+
+def test_a_push_at_the_end_of_a_step_looks_like_a_limit_cycle():
+    """That is why: the loop comes to rest before it, and has none without it."""
+    wide = 1.15 * math.radians(25.0) * 1e-3 / (2 * math.pi)
+    scenario, run = run_with(lambda t: 0.0 * t + wide)
+    assert judge(scenario, run)[0] == 0
+    pushed = replace(scenario.model, pushes=PushParameters(force=1.0, period=7.0))
+    scenario = replace(scenario, model=pushed, dead_zone=run.tolerances)
+    loop = simulate(scenario)
+    assert judge(scenario, replace(run, loop=loop))[0] > 0
 
 
 def test_friction_that_nobody_told_of_is_found(short):

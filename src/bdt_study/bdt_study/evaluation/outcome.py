@@ -15,6 +15,8 @@ from bdt_study.reproduction.claims import LARGEST_BIAS
 class CaseOutcome:
     """One row; the fields of an entry of ``cases`` in the JSON output.
 
+    What it tells of loops is of the steps that nothing pushes while they are judged.
+
     Attributes
     ----------
     case, estimator, decision : str
@@ -50,6 +52,10 @@ class CaseOutcome:
         Median of the processor time of an estimate [ms].
     runs : int
         Number of runs.
+    pushed_steps : int
+        Number of steps that something pushes while they are judged.
+    pushed_limit_cycles, pushed_limit_cycles_with_true_gap : int
+        How many of them are taken for a limit cycle, and how many with the true gap.
     """
 
     case: str
@@ -69,6 +75,9 @@ class CaseOutcome:
     taken_back: int
     window_ms: float | None
     runs: int
+    pushed_steps: int = 0
+    pushed_limit_cycles: int = 0
+    pushed_limit_cycles_with_true_gap: int = 0
 
 
 def summarize_trials(
@@ -116,6 +125,9 @@ def summarize_trials(
         sum(trial.taken_back for trial in trials),
         1e3 * float(np.median(times)) if times.size else None,
         len(trials),
+        sum(trial.pushed_steps for trial in trials),
+        sum(trial.pushed_limit_cycles for trial in trials),
+        sum(trial.pushed_with_true_gap for trial in trials),
     )
 
 

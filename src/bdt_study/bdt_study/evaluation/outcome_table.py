@@ -47,10 +47,23 @@ def outcome_tables(outcomes: Sequence[CaseOutcome]) -> list[Table]:
         At least one.
     """
     runs = f"{outcomes[0].runs} random runs each"
-    return [
-        _table(f"gap estimates in closed loop, {runs}", ESTIMATES, outcomes),
-        _table(f"their loops, {runs}", LOOPS, outcomes),
-    ]
+    loops = _table(f"their loops, {runs}", LOOPS, outcomes)
+    loops.caption, loops.caption_justify = _pushed(outcomes), "left"
+    return [_table(f"gap estimates in closed loop, {runs}", ESTIMATES, outcomes), loops]
+
+
+def _pushed(outcomes: Sequence[CaseOutcome]) -> str | None:
+    """Return what the loops' table does not tell of, if there is something."""
+    steps, cycles, with_true_gap = (
+        sum(getattr(each, name) for each in outcomes)
+        for name in ("pushed_steps", "pushed_limit_cycles", "pushed_limit_cycles_with_true_gap")
+    )
+    if not steps:
+        return None
+    return (
+        f"without {steps} steps that something pushed while they were judged; {cycles} of them "
+        f"look like a limit cycle, with the true gap {with_true_gap}"
+    )
 
 
 def _table(title: str, columns: Sequence[_Column], outcomes: Sequence[CaseOutcome]) -> Table:

@@ -4,15 +4,17 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_analysis.metrics.reference_steps import find_steps
+from bdt_analysis.metrics.reference_steps import WINDOW, find_steps
 from bdt_analysis.metrics.step_analysis import StepSummary, summarize_step
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
 from bdt_plant.plant import PlantModel
+from bdt_plant.pushes import PushParameters
 from bdt_study.design.tuned_gains import TUNED_GAINS
 from bdt_study.evaluation.case import Case
 from bdt_study.evaluation.cases import draw_scenario
@@ -36,9 +38,28 @@ BOUND_EVERY = 10
 """Estimates from one Cramér-Rao bound to the next: a bound costs about as much as an estimate."""
 
 
+class PushedSteps(NamedTuple):
+    """Steps that something pushed while they were judged.
+
+    Attributes
+    ----------
+    steps : int
+        How many.
+    limit_cycles, with_true_gap : int
+        How many of them are taken for a limit cycle, and how many with the true gap as dead zone.
+    """
+
+    steps: int = 0
+    limit_cycles: int = 0
+    with_true_gap: int = 0
+
+
 @dataclass(frozen=True, eq=False)
 class Trial:
     """What one run gives.
+
+    Steps that something pushes while they are judged tell of a push, not of a limit cycle. They
+    are counted apart.
 
     Attributes
     ----------
@@ -65,6 +86,8 @@ class Trial:
         Settling time of each step [s]; infinite for one that does not settle.
     taken_back : int
         Number of simulated decisions that were taken back.
+    pushed_steps, pushed_limit_cycles, pushed_with_true_gap : int
+        See :class:`PushedSteps`.
     """
 
     errors: FloatArray
@@ -78,6 +101,9 @@ class Trial:
     avoidable_steps: int = 0
     settling_times: FloatArray = field(default_factory=lambda: np.empty(0))
     taken_back: int = 0
+    pushed_steps: int = 0
+    pushed_limit_cycles: int = 0
+    pushed_with_true_gap: int = 0
 
 
 class InstrumentedEstimator:
@@ -165,9 +191,12 @@ def run_trial(case: Case, kind: str, seed: int, decision: str = "") -> Trial:
     # What the paper's estimator states is a mean over its window (figure 6).
     age = 0.5 * settings.window if kind == "inverse_filter" else 0.0
     learned = [each for each in run.estimates if each.is_known and not each.reason]
-    judged = judged_steps(scenario, run.loop, run.tolerances)
+    judged, ideal, pushed = without_pushed(
+        scenario,
+        judged_steps(scenario, run.loop, run.tolerances),
+        steps_with_true_gap(scenario, gap, run.tolerances),
+    )
     limit_cycles, worst_bias = evaluate_loop(judged)
-    ideal = steps_with_true_gap(scenario, gap, run.tolerances)
     avoidable, steps = avoidable_limit_cycles(judged, ideal)
     return Trial(
         np.array([error_of(estimate, gap, age) for estimate in learned]),
@@ -183,6 +212,7 @@ def run_trial(case: Case, kind: str, seed: int, decision: str = "") -> Trial:
             [math.inf if one.settling_time_s is None else one.settling_time_s for one in judged]
         ),
         run.decisions[-1].taken_back if run.decisions else 0,
+        *pushed,
     )
 
 
@@ -245,6 +275,51 @@ def steps_with_true_gap(
     return judged_steps(scenario, loop, tolerances)
 
 
+def without_pushed(
+    scenario: Scenario, steps: Sequence[StepSummary], ideal: Sequence[StepSummary]
+) -> tuple[list[StepSummary], list[StepSummary], PushedSteps]:
+    """Return the steps that nothing pushes while they are judged, and what became of the others.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+    steps : sequence of StepSummary
+        The steps of a loop.
+    ideal : sequence of StepSummary
+        The same steps with the true gap as dead zone.
+    """
+    length, pushes = _square_wave(scenario).step_time, scenario.model.pushes
+    pushed = [is_pushed_while_judged(step.t_start_s, length, pushes) for step in steps]
+    calm, calm_ideal = (
+        [step for step, is_pushed in zip(each, pushed, strict=True) if not is_pushed]
+        for each in (steps, ideal)
+    )
+    cycles, cycles_ideal = (
+        sum(
+            bool(step.limit_cycle)
+            for step, is_pushed in zip(each, pushed, strict=True)
+            if is_pushed
+        )
+        for each in (steps, ideal)
+    )
+    return calm, calm_ideal, PushedSteps(sum(pushed), cycles, cycles_ideal)
+
+
+def is_pushed_while_judged(begin: float, length: float, pushes: PushParameters) -> bool:
+    """Tell whether something pushes a platform in the end of a step on which it is judged.
+
+    Parameters
+    ----------
+    begin, length : float
+        Beginning and length of the step [s].
+    pushes : PushParameters
+        The pushes.
+    """
+    end = begin + length
+    return pushes.fall_between(end - min(WINDOW, 0.5 * length), end)
+
+
 def judged_steps(scenario: Scenario, loop: Trajectory, tolerances: FloatArray) -> list[StepSummary]:
     """Return the steps that begin after the first of the dead zones in force.
 
@@ -262,8 +337,13 @@ def judged_steps(scenario: Scenario, loop: Trajectory, tolerances: FloatArray) -
 
 def _reference_steps(scenario: Scenario) -> FloatArray:
     """Return rows of (time [s], r [m]) of the square wave."""
+    reference = _square_wave(scenario)
+    times = np.arange(0.0, scenario.duration, reference.step_time)
+    return np.array([(time, reference_at(reference, float(time))) for time in times])
+
+
+def _square_wave(scenario: Scenario) -> ReferenceProfile:
     reference = scenario.reference
     if not isinstance(reference, ReferenceProfile):
         raise TypeError("the reference of a trial is a square wave")
-    times = np.arange(0.0, scenario.duration, reference.step_time)
-    return np.array([(time, reference_at(reference, float(time))) for time in times])
+    return reference

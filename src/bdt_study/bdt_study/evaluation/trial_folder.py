@@ -98,6 +98,24 @@ COLUMNS = (
         math.inf,
     ),
     TrialColumn("taken_back", pa.int64(), "taken_back", "simulated decisions that were taken back"),
+    TrialColumn(
+        "pushed_steps",
+        pa.int64(),
+        "pushed_steps",
+        "steps that something pushed while they were judged; in no other column",
+    ),
+    TrialColumn(
+        "pushed_limit_cycles",
+        pa.int64(),
+        "pushed_limit_cycles",
+        "those of them that are taken for a limit cycle",
+    ),
+    TrialColumn(
+        "pushed_with_true_gap",
+        pa.int64(),
+        "pushed_with_true_gap",
+        "the same with the true gap as dead zone",
+    ),
 )
 """Columns that tell what came out: all fields of a trial."""
 
