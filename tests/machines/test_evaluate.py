@@ -45,6 +45,10 @@ def test_a_loop_without_a_dead_zone_cycles_and_with_the_true_gap_does_not(fricti
     assert [step.limit_cycle for step in without] == [True] * 4
 
 
+def test_a_row_and_a_kind_have_no_results_in_common():
+    assert not ROWS.keys() & KINDS.keys()
+
+
 @pytest.mark.parametrize("name", KINDS)
 def test_a_seed_draws_the_same_machine_again_and_another_one_another(name):
     one, again, other = drawn(name, 3), drawn(name, 3), drawn(name, 4)

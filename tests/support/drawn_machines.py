@@ -34,9 +34,9 @@ ROWS = {
     "amplifier of 12 bits": UnknownMachine(amplifier_bits=12),
     "sensor bias 50 um": UnknownMachine(bias=50e-6),
     "periodic error 0.5 um": UnknownMachine(encoder_error=0.5e-6),
-    "everyday": EVERYDAY,
+    "all at once": EVERYDAY,
 }
-"""One effect at a time, and all of them."""
+"""One effect at a time, and all of them, small."""
 
 
 class Trial(NamedTuple):
@@ -49,7 +49,7 @@ class Trial(NamedTuple):
 def named(name: str, seed: int) -> Trial:
     """Return a machine of ``ROWS`` in the paper's scenario."""
     shares = np.arange(round(PAPER_TIME * SAMPLING_RATE)) / (PAPER_TIME * SAMPLING_RATE)
-    decision = "simulate" if name == "everyday" else "equation_9"
+    decision = "simulate" if name == "all at once" else "equation_9"
     return Trial(ROWS[name], Course(PAPER_GAP * shares**2, seed=seed, decision=decision))
 
 
