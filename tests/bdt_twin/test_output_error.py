@@ -15,10 +15,11 @@ from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.structure import StructureParameters
-from bdt_twin import next_fit
+from bdt_twin import next_fit, output_error
 from bdt_twin.answer_check import AnswerCheck, Doubt
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.estimator import TelemetryRejectedError
+from bdt_twin.fit_doubt import FIRST_DOUBT, FIRST_MOTIONS
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error import MOST_HELD, OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
@@ -417,3 +418,53 @@ def test_what_is_known_of_a_machine_is_of_use_to_the_next_estimator(closed_loop)
     informed.restart()
     informed.update(rows[17500:19001])
     assert informed.last_fit.estimate == fresh.last_fit.estimate, "another run begins"
+
+
+@pytest.mark.parametrize("rest", [0.0, 7.0])
+def test_first_motions_tell_less_than_they_seem_to(closed_loop, monkeypatch, rest):
+    """That of a machine at rest before, too; a machine that is known from another run has none."""
+    still = np.zeros((round(rest * RATE), 3))
+    rows = measured(np.concatenate([still, closed_loop(12.0, 12.0).rows]), 1e-6, 1e-7, 1)
+    rows[:, 0] = 3.0 + np.arange(len(rows)) / RATE
+    known = OutputErrorEstimator(PlantModel(), CHOSEN, RATE)
+    known.update(rows)
+
+    def uncertainties(recalls=False):
+        estimator = OutputErrorEstimator(PlantModel(), CHOSEN, RATE)
+        if recalls:
+            estimator.recall(known.recollection, 0.0)
+        found = [estimator.update(batch) for batch in np.split(rows, len(rows) // 1000)]
+        return {
+            each.time - 3.0 - rest: each.uncertainty
+            for each in found
+            if each is not None and each.is_known and not each.reason
+        }
+
+    doubted, recalled = uncertainties(), uncertainties(recalls=True)
+    monkeypatch.setattr(output_error, "FIRST_DOUBT", 1.0)
+    plain = uncertainties()
+    assert min(plain) < FIRST_MOTIONS < max(plain)
+    for time, uncertainty in doubted.items():
+        factor = FIRST_DOUBT if time < FIRST_MOTIONS else 1.0
+        assert uncertainty == pytest.approx(factor * plain[time], rel=1e-9)
+    assert uncertainties(recalls=True) == recalled
+
+
+def test_a_window_that_is_explained_much_worse_than_the_one_before_needs_another(
+    closed_loop, monkeypatch
+):
+    """A fit that had to begin anew may have found a bad one, and is sure of it."""
+    rows = measured(closed_loop(12.0, 12.0).rows, 1e-6, 1e-7, 1)
+    fits = []
+
+    def fitted(window, *known):
+        window, fit = next_fit.next_fit(window, *known)
+        fits.append(fit)
+        worse = 2.5 if len(fits) >= 8 else 1.0
+        return window, replace(fit, prediction_error=worse * fit.prediction_error)
+
+    monkeypatch.setattr(output_error, "next_fit", fitted)
+    found = estimates_of(rows, cuts=seconds(rows))
+    reasons = {len(fits) - number: each.reason for number, each in enumerate(reversed(found))}
+    assert reasons[7] == reasons[9] == reasons[10] == ""
+    assert reasons[8] == "the newest data are not explained yet"

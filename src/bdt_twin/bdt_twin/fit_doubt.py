@@ -23,6 +23,11 @@ walks a lot: the levels are found from the same data, and small ones are hardly 
 SHORT, SHORT_AND_RESTLESS = 3.0, 8.0
 """Time [s] in which a window has seen too little to know what it cannot explain, and the same where
 the motor walks a lot."""
+FIRST_MOTIONS = 6.0
+"""Time [s] from the first motion on in which a machine moves in a way or two only: what it has and
+the model has not cannot be told from a gap then."""
+FIRST_DOUBT = 1.4
+"""Factor by which a gap is less sure as long."""
 
 NEWEST = 1.0
 """Time before the end of a window [s] in which a fit of the data before meets something new."""

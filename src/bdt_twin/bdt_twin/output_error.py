@@ -18,6 +18,7 @@ from bdt_twin.answer_check import AnswerCheck
 from bdt_twin.cogging_search import compiled_waves
 from bdt_twin.cogging_trials import CoggingTrials
 from bdt_twin.estimator import Estimate
+from bdt_twin.fit_doubt import FIRST_DOUBT, FIRST_MOTIONS
 from bdt_twin.fit_result import Fit
 from bdt_twin.gap_knowledge import GapKnowledge
 from bdt_twin.gap_of_fit import answered_reversals, gap_at, growth_at, growth_change_of
@@ -34,7 +35,7 @@ from bdt_twin.unexplained_window import unexplained
 from bdt_twin.window_loop import compiled_window
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor
-from bdt_twin.window_search import leaves_newest_unexplained
+from bdt_twin.window_search import explains_worse, leaves_newest_unexplained
 
 FloatArray = NDArray[np.float64]
 
@@ -129,6 +130,7 @@ class OutputErrorEstimator:
         self.last_fit: AcceptedFit | None = None
         self._walks, self._growth_change = False, self._settings.growth_change
         self._predecessor: Predecessor | None = None
+        self._moves_from = math.inf
         self._check, self._held = AnswerCheck(self._settings.largest_uncertainty), 0
         self._gap = GapKnowledge(self._settings.largest_uncertainty)
         self._machine = MachineMemory(self._model.motor)
@@ -161,6 +163,9 @@ class OutputErrorEstimator:
             hole.
         """
         numbers = self._append(batch)
+        moving = np.flatnonzero(batch[:, 1])
+        if moving.size:
+            self._moves_from = min(self._moves_from, (numbers.start + int(moving[0])) / self._rate)
         due = range(-(-numbers.start // self._period) * self._period, numbers.stop, self._period)
         estimate = None
         for newest in due[-1:] if newest_only else due:
@@ -232,8 +237,12 @@ class OutputErrorEstimator:
         at = reversals[-1]
         stamp = time - (newest / self._rate - at)
         gap, uncertainty = gap_at(window, fit, at)
+        is_unsure = uncertainty > self._settings.largest_uncertainty
+        uncertainty *= self._first_doubt(at)
         growth, growth_uncertainty = growth_at(window, fit, at)
-        is_surprised = leaves_newest_unexplained(window, fit)
+        error = math.inf if self._predecessor is None else self._predecessor.fit.prediction_error
+        # A fit that had to begin anew may have found a bad one; the next window tells.
+        is_surprised = leaves_newest_unexplained(window, fit) or explains_worse(window, fit, error)
         doubt = self._check.doubt(
             gap,
             uncertainty,
@@ -242,8 +251,7 @@ class OutputErrorEstimator:
             is_pushed=bool(fit.pushed.any()),
             is_surprised=is_surprised,
         )
-        is_lost = is_surprised or uncertainty > self._settings.largest_uncertainty
-        self._held = self._held + 1 if is_lost else 0
+        self._held = self._held + 1 if is_surprised or is_unsure else 0
         # Windows that follow find out more from here, unless it is here that nothing is found.
         follows = self._held < MOST_HELD
         self._predecessor = Predecessor(window, fit, growth) if follows else None
@@ -275,6 +283,14 @@ class OutputErrorEstimator:
         self._growth_change = max(self._settings.growth_change, growth_change_of(window, fit))
         self._machine.learn(newest / self._rate, fit.machine)
         return estimate
+
+    def _first_doubt(self, at: float) -> float:
+        """Return by how many times a gap is less sure that was told by a machine's first motions.
+
+        A machine that was known before, from a run before this one, has no first motions.
+        """
+        is_new = self._recalled is None and at < self._moves_from + FIRST_MOTIONS
+        return FIRST_DOUBT if is_new else 1.0
 
     def _hold_estimate(self, time: float, reason: str) -> Estimate:
         """Return what is known of the gap, as unsure as it is for a window that ends at `time`."""

@@ -89,7 +89,7 @@ def fit_window(
     simulations = max(MOST_SAMPLES // window.samples, FEWEST_SIMULATIONS)
     if predicted is None:
         return _from_many(problem, window, growth_change, machine, simulations)
-    enough = max(WORSE * error, EXPLAINED * window.motion)
+    enough = _enough(window, error)
     # What a model explains is not taken for a walk of the motor only because it was before.
     may_rest = levels is not None and is_restless(levels)
     first = quiet(levels) if levels is not None and may_rest else levels
@@ -117,6 +117,26 @@ def fit_window(
     if followed.prediction_error <= enough:
         return followed
     return _better(followed, _from_many(problem, window, growth_change, machine, simulations))
+
+
+def explains_worse(window: WindowModel, fit: Fit, error: float) -> bool:
+    """Return whether a fit explains its window much worse than that before was explained.
+
+    Parameters
+    ----------
+    window : WindowModel
+        Model and data.
+    fit : Fit
+        Their fit.
+    error : float
+        Prediction error of the window before [m].
+    """
+    return fit.prediction_error > _enough(window, error)
+
+
+def _enough(window: WindowModel, error: float) -> float:
+    """Return the prediction error with which a window is explained as the one before was [m]."""
+    return max(WORSE * error, EXPLAINED * window.motion)
 
 
 def _better(one: Fit, other: Fit) -> Fit:
