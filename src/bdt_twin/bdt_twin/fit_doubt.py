@@ -24,10 +24,10 @@ SHORT, SHORT_AND_RESTLESS = 3.0, 8.0
 """Time [s] in which a window has seen too little to know what it cannot explain, and the same where
 the motor walks a lot."""
 FIRST_MOTIONS = 6.0
-"""Time [s] from the first motion on in which a machine moves in a way or two only: what it has and
-the model has not cannot be told from a gap then."""
+"""Time [s] from a machine's first motion on in which it goes there and perhaps back: too little to
+tell what the model has not from a gap."""
 FIRST_DOUBT = 1.4
-"""Factor by which a gap is less sure as long."""
+"""Factor by which the gap is less sure until then."""
 
 NEWEST = 1.0
 """Time before the end of a window [s] in which a fit of the data before meets something new."""
