@@ -119,11 +119,15 @@ def outcome_of(seed, on_machine):
     Of one that fails, the shortest one is told that fails as well.
     """
     schedule = schedule_of(seed)
-    verdict = judge(on_machine, schedule)
-    told = f"{seed}: {line_of(schedule)}: {verdict.outcome}: {verdict.reason}"
-    if verdict.outcome == "failed":
-        short = shrunk(schedule, lambda shorter: judge(on_machine, shorter).outcome == "failed")
-        told += f'\nfailed: python tests/faults/soak.py --schedule "{line_of(short)}"'
+    try:
+        verdict = judge(on_machine, schedule)
+        told = f"{seed}: {line_of(schedule)}: {verdict.outcome}: {verdict.reason}"
+        if verdict.outcome == "failed":
+            short = shrunk(schedule, lambda shorter: judge(on_machine, shorter).outcome == "failed")
+            told += f'\nfailed: python tests/faults/soak.py --schedule "{line_of(short)}"'
+    except KeyboardInterrupt:
+        # The pool would take this for a result, and this process would wait for the next schedule.
+        os._exit(130)
     return seed, verdict.outcome, told
 
 

@@ -31,6 +31,42 @@ def test_an_interrupted_soak_leaves_no_process_and_knows_what_has_run(tmp_path):
     assert results.read_text().splitlines()[0] == f"{seed} recovered"
 
 
+WORKER = """
+import soak
+
+soak.claim()
+try:
+    soak.outcome_of(0, False)
+except BaseException:
+    pass
+print("goes on")
+"""
+"""What a worker of a pool does: whatever is thrown is a result for it."""
+
+
+def test_a_worker_that_is_told_to_end_does_not_go_on(tmp_path):
+    """One that went on waited for work that never came, when another had ended before it."""
+    worker = subprocess.Popen(
+        [sys.executable, "-c", WORKER],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(SOAK.parent), "TMPDIR": str(tmp_path)},
+        start_new_session=True,
+    )
+    end = time.monotonic() + 30.0
+    while not list(tmp_path.glob("faults-*/*.log")):
+        assert time.monotonic() < end, "no loop begins"
+        time.sleep(0.05)
+    worker.send_signal(signal.SIGTERM)
+    said, _ = worker.communicate(timeout=30.0)
+    assert (worker.returncode, said) == (130, "")
+    assert not list(tmp_path.glob("faults-*")), "its loop is left"
+    end = time.monotonic() + 10.0
+    while group_lives(worker.pid):
+        assert time.monotonic() < end, "processes are left"
+        time.sleep(0.05)
+
+
 def group_lives(group):
     """Tell whether a process of a group is there."""
     try:
