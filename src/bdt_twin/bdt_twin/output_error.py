@@ -163,9 +163,9 @@ class OutputErrorEstimator:
             hole.
         """
         numbers = self._append(batch)
-        moving = np.flatnonzero(batch[:, 1])
-        if moving.size:
-            self._moves_from = min(self._moves_from, (numbers.start + int(moving[0])) / self._rate)
+        if math.isinf(self._moves_from) and batch[:, 1].any():
+            first = numbers.start + int(np.flatnonzero(batch[:, 1])[0])
+            self._moves_from = first / self._rate
         due = range(-(-numbers.start // self._period) * self._period, numbers.stop, self._period)
         estimate = None
         for newest in due[-1:] if newest_only else due:

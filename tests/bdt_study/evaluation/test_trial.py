@@ -15,13 +15,13 @@ from bdt_study.evaluation.cases import CASES, draw_scenario
 from bdt_study.evaluation.machine_effects import MachineEffects
 from bdt_study.evaluation.trial import (
     avoidable_limit_cycles,
+    by_pushes,
     error_of,
     evaluate_loop,
     is_pushed_while_judged,
     judged_steps,
     run_trial,
     steps_with_true_gap,
-    without_pushed,
 )
 from bdt_study.simulation.closed_loop import Trajectory, simulate
 from bdt_study.simulation.twin_loop import TwinTrajectory
@@ -157,16 +157,29 @@ def test_steps_that_something_pushes_while_they_are_judged_are_counted_apart():
     steps = judged_steps(scenario, run.loop, run.tolerances)
     assert [step.limit_cycle for step in steps] == [True] * 3
     ideal = [replace(step, limit_cycle=step is steps[1]) for step in steps]
-    calm, calm_ideal, pushed = without_pushed(scenario, steps, ideal)
-    assert calm == steps[2:]
-    assert calm_ideal == ideal[2:]
-    assert pushed == (2, 2, 1)
+    assert by_pushes(scenario, steps) == (steps[2:], steps[:2])
+    assert by_pushes(scenario, ideal) == (ideal[2:], ideal[:2])
+    assert [evaluate_loop(each[:2])[0] for each in (steps, ideal)] == [2, 1]
+
+
+def test_a_trial_tells_of_pushed_steps_in_nothing_else(short, monkeypatch):
+    calm = run_trial(BY_NAME["laboratory"], "inverse_filter", 1)
+    monkeypatch.setattr(trial, "is_pushed_while_judged", lambda *_: True)
+    pushed = run_trial(BY_NAME["laboratory"], "inverse_filter", 1)
+    steps, with_true_gap = calm.settling_times.size, calm.settling_times.size - calm.avoidable_steps
+    assert calm.limit_cycles > 0
+    assert (calm.pushed_steps, calm.pushed_limit_cycles, calm.pushed_with_true_gap) == (0, 0, 0)
+    assert pushed.pushed_steps == steps
+    assert pushed.pushed_limit_cycles == calm.limit_cycles
+    assert pushed.pushed_with_true_gap == with_true_gap
+    assert pushed.settling_times.size == pushed.avoidable_steps == 0
+    assert pushed.limit_cycles == pushed.avoidable_limit_cycles == pushed.worst_bias == 0
 
 
 def test_without_pushes_all_steps_count():
     scenario, run = run_with(lambda t: 0.0 * t)
     steps = judged_steps(scenario, run.loop, run.tolerances)
-    assert without_pushed(scenario, steps, steps) == (steps, steps, (0, 0, 0))
+    assert by_pushes(scenario, steps) == (steps, [])
 
 
 @pytest.mark.parametrize("length", [4.0, 5.0, 8.0, 12.0])

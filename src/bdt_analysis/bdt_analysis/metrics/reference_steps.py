@@ -125,12 +125,23 @@ def find_steps(
                 reference=value,
                 height=height,
                 scale=scale,
-                window=float(min(WINDOW, 0.5 * holds[k])),
+                window=judged_time(float(holds[k])),
                 cut=k == len(rows) - 1 and bool(lengths[k] < enough - sample_time),
                 holed=bool(((holes[:, 0] < ends[k]) & (holes[:, 1] > start)).any()),
             )
         )
     return steps
+
+
+def judged_time(holds: float) -> float:
+    """Return the time [s] at the end of a step on which it is judged.
+
+    Parameters
+    ----------
+    holds : float
+        Time for which its reference is constant [s].
+    """
+    return min(WINDOW, 0.5 * holds)
 
 
 def _changes(

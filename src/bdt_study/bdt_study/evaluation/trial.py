@@ -4,12 +4,11 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_analysis.metrics.reference_steps import WINDOW, find_steps
+from bdt_analysis.metrics.reference_steps import find_steps, judged_time
 from bdt_analysis.metrics.step_analysis import StepSummary, summarize_step
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.gap_profile import GapProfile, gap_at, gaps_at
@@ -36,22 +35,6 @@ MARGIN = DeadZoneSettings(coverage_factor=2.0, margin=math.radians(1.0), horizon
 
 BOUND_EVERY = 10
 """Estimates from one Cramér-Rao bound to the next: a bound costs about as much as an estimate."""
-
-
-class PushedSteps(NamedTuple):
-    """Steps that something pushed while they were judged.
-
-    Attributes
-    ----------
-    steps : int
-        How many.
-    limit_cycles, with_true_gap : int
-        How many of them are taken for a limit cycle, and how many with the true gap as dead zone.
-    """
-
-    steps: int = 0
-    limit_cycles: int = 0
-    with_true_gap: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +69,10 @@ class Trial:
         Settling time of each step [s]; infinite for one that does not settle.
     taken_back : int
         Number of simulated decisions that were taken back.
-    pushed_steps, pushed_limit_cycles, pushed_with_true_gap : int
-        See :class:`PushedSteps`.
+    pushed_steps : int
+        Number of steps that something pushes while they are judged.
+    pushed_limit_cycles, pushed_with_true_gap : int
+        How many of them are taken for a limit cycle, and how many with the true gap as dead zone.
     """
 
     errors: FloatArray
@@ -191,11 +176,8 @@ def run_trial(case: Case, kind: str, seed: int, decision: str = "") -> Trial:
     # What the paper's estimator states is a mean over its window (figure 6).
     age = 0.5 * settings.window if kind == "inverse_filter" else 0.0
     learned = [each for each in run.estimates if each.is_known and not each.reason]
-    judged, ideal, pushed = without_pushed(
-        scenario,
-        judged_steps(scenario, run.loop, run.tolerances),
-        steps_with_true_gap(scenario, gap, run.tolerances),
-    )
+    judged, pushed = by_pushes(scenario, judged_steps(scenario, run.loop, run.tolerances))
+    ideal, pushed_ideal = by_pushes(scenario, steps_with_true_gap(scenario, gap, run.tolerances))
     limit_cycles, worst_bias = evaluate_loop(judged)
     avoidable, steps = avoidable_limit_cycles(judged, ideal)
     return Trial(
@@ -212,7 +194,9 @@ def run_trial(case: Case, kind: str, seed: int, decision: str = "") -> Trial:
             [math.inf if one.settling_time_s is None else one.settling_time_s for one in judged]
         ),
         run.decisions[-1].taken_back if run.decisions else 0,
-        *pushed,
+        len(pushed),
+        evaluate_loop(pushed)[0],
+        evaluate_loop(pushed_ideal)[0],
     )
 
 
@@ -275,35 +259,25 @@ def steps_with_true_gap(
     return judged_steps(scenario, loop, tolerances)
 
 
-def without_pushed(
-    scenario: Scenario, steps: Sequence[StepSummary], ideal: Sequence[StepSummary]
-) -> tuple[list[StepSummary], list[StepSummary], PushedSteps]:
-    """Return the steps that nothing pushes while they are judged, and what became of the others.
+def by_pushes(
+    scenario: Scenario, steps: Sequence[StepSummary]
+) -> tuple[list[StepSummary], list[StepSummary]]:
+    """Return the steps that nothing pushes while they are judged, and those that something does.
 
     Parameters
     ----------
     scenario : Scenario
         The scenario.
     steps : sequence of StepSummary
-        The steps of a loop.
-    ideal : sequence of StepSummary
-        The same steps with the true gap as dead zone.
+        Its judged steps.
     """
     length, pushes = _square_wave(scenario).step_time, scenario.model.pushes
-    pushed = [is_pushed_while_judged(step.t_start_s, length, pushes) for step in steps]
-    calm, calm_ideal = (
-        [step for step, is_pushed in zip(each, pushed, strict=True) if not is_pushed]
-        for each in (steps, ideal)
-    )
-    cycles, cycles_ideal = (
-        sum(
-            bool(step.limit_cycle)
-            for step, is_pushed in zip(each, pushed, strict=True)
-            if is_pushed
-        )
-        for each in (steps, ideal)
-    )
-    return calm, calm_ideal, PushedSteps(sum(pushed), cycles, cycles_ideal)
+    calm: list[StepSummary] = []
+    pushed: list[StepSummary] = []
+    for step in steps:
+        is_pushed = is_pushed_while_judged(step.t_start_s, length, pushes)
+        (pushed if is_pushed else calm).append(step)
+    return calm, pushed
 
 
 def is_pushed_while_judged(begin: float, length: float, pushes: PushParameters) -> bool:
@@ -317,7 +291,7 @@ def is_pushed_while_judged(begin: float, length: float, pushes: PushParameters) 
         The pushes.
     """
     end = begin + length
-    return pushes.fall_between(end - min(WINDOW, 0.5 * length), end)
+    return pushes.fall_between(end - judged_time(length), end)
 
 
 def judged_steps(scenario: Scenario, loop: Trajectory, tolerances: FloatArray) -> list[StepSummary]:
