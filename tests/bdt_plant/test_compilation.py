@@ -12,6 +12,7 @@ import pytest
 
 from bdt_plant import compilation
 from bdt_plant.compilation import GIVEN, WRITTEN, _rows_in_vectors, compile_loop
+from bdt_plant.motor import MotorState
 
 
 def double(given, written):
@@ -86,6 +87,22 @@ def test_the_loop_holds_a_hash_of_its_steps_and_of_how_it_is_compiled(monkeypatc
     [held] = built[0].__closure__
     sources = [Path(name).read_bytes() for name in sorted([__file__, compilation.__file__])]
     assert held.cell_contents == hashlib.sha256(b"".join(sources)).hexdigest()
+
+
+def within_a_tuple(given):
+    return (1.0, given)
+
+
+@pytest.mark.parametrize("given", [MotorState(0.0, 0.0, 0.0), np.zeros(3)])
+def test_a_loop_whose_result_python_would_have_to_make_is_refused(given):
+    """Ctrl-C in such a loop is heard where numba does not expect it, and may end the process."""
+    with pytest.raises(TypeError, match=r"within_a_tuple returns .*: must be numbers and tuples"):
+        compile_loop(within_a_tuple, (numba.typeof(given),))
+
+
+def test_numbers_and_tuples_of_them_come_out_of_a_loop():
+    given = (1.0, (True, 2))
+    assert compile_loop(within_a_tuple, (numba.typeof(given),))(given) == (1.0, given)
 
 
 def test_two_threads_that_compile_do_not_take_the_setting_from_each_other():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from interrupted_calls import end_of_interrupted
 
 from bdt_plant import compilation
 from bdt_plant.actuator import ActuatorParameters
@@ -62,3 +63,22 @@ def test_without_numba_the_period_is_the_plain_one(monkeypatch):
     ]
     rows = [simulator.advance(12.0).tobytes() for simulator in simulators]
     assert rows[0] == rows[1]
+
+
+PERIOD = """
+from bdt_plant.cogging import CoggingParameters
+from bdt_plant.compiled_period import compiled_period_of
+from bdt_plant.gap_profile import GapProfile
+from bdt_plant.plant import PlantModel, Sampling
+from bdt_plant.plant_simulator import PlantSimulator
+model = PlantModel({effect})
+period = compiled_period_of(model)
+simulator = PlantSimulator(model, GapProfile(), Sampling(), period=period)
+"""
+
+
+@pytest.mark.parametrize("effect", ["", "cogging=CoggingParameters(3e-3)"])
+def test_ctrl_c_in_a_compiled_period_is_an_exception_as_anywhere(effect):
+    """A node, a notebook and a worker go on from there; where numba made a state they crashed."""
+    pytest.importorskip("numba")
+    assert end_of_interrupted(PERIOD.format(effect=effect), "simulator.advance(9.0)") == (0, "")

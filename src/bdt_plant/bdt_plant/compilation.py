@@ -36,17 +36,37 @@ def compile_loop(function: Callable[..., Any], signature: Any) -> Any:
     callable
         The function itself where numba is not installed, as on many a small computer: the same
         floats, and still many times faster than a sensor samples.
+
+    Raises
+    ------
+    TypeError
+        If the function returns named tuples, see :mod:`bdt_plant.unnamed_states`, or arrays.
     """
     if find_spec("numba") is None:
         return function
     njit = import_module("numba").njit
     with _rows_in_vectors():
         try:
-            return njit([signature], cache=True, nogil=True)(function)
+            loop = njit([signature], cache=True, nogil=True)(function)
         except RuntimeError:
             # Neither beside the file nor in the home folder can a cache be written. Compiling anew
             # takes a second at each start, which is better than no start.
-            return njit([signature], nogil=True)(function)
+            loop = njit([signature], nogil=True)(function)
+    [compiled] = loop.nopython_signatures
+    if not _is_made_without_python(compiled.return_type):
+        raise TypeError(
+            f"{function.__qualname__} returns {compiled.return_type}: must be numbers and tuples "
+            "without names, or Ctrl-C in it may crash Python"
+        )
+    return loop
+
+
+def _is_made_without_python(result: Any) -> bool:
+    """Tell whether numba makes a result of this type without running any code of Python."""
+    types: Any = import_module("numba").types
+    if isinstance(result, types.BaseTuple) and not isinstance(result, types.BaseNamedTuple):
+        return all(map(_is_made_without_python, result))
+    return isinstance(result, types.Number | types.Boolean | types.NoneType)
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """The plant over one control period, compiled: the floats of the plain function in less time."""
 
+from collections.abc import Callable
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -19,6 +20,7 @@ from bdt_plant.plant import (
     discretize_plant,
     hold_period,
 )
+from bdt_plant.unnamed_states import named_machine, named_plant, unnamed_machine, unnamed_plant
 
 
 def compiled_period_of(model: PlantModel) -> Any:
@@ -30,9 +32,9 @@ def compiled_period_of(model: PlantModel) -> Any:
 def compiled_hold_period() -> HoldPeriod:
     """Return :func:`bdt_plant.plant.hold_period`, compiled where numba is installed."""
     step = discretize_plant(PlantModel(), 2e-4)
-    period: HoldPeriod = compile_with_steps(
-        _period, [hold_period], lambda: _signature(AT_REST, step)
-    )
+    steps = (hold_period, unnamed_plant)
+    compiled = compile_with_steps(_period, steps, lambda: _signature(AT_REST, step))
+    period: HoldPeriod = _naming(named_plant, compiled)
     return period
 
 
@@ -40,9 +42,18 @@ def compiled_hold_period() -> HoldPeriod:
 def compiled_machine_period() -> Any:
     """Return :func:`bdt_plant.machine.hold_machine_period`, compiled where numba is installed."""
     step = discretize_machine(PlantModel(), Sampling())
-    return compile_with_steps(
-        _machine_period, [hold_machine_period], lambda: _signature(MACHINE_AT_REST, step)
-    )
+    steps = (hold_machine_period, unnamed_machine)
+    compiled = compile_with_steps(_machine_period, steps, lambda: _signature(MACHINE_AT_REST, step))
+    return _naming(named_machine, compiled)
+
+
+def _naming(named: Callable[[Any], Any], compiled: Callable[..., Any]) -> Any:
+    def period(
+        state: Any, voltage: float, gaps: FloatArray, step: Any, positions: FloatArray
+    ) -> Any:
+        return named(compiled(state, voltage, gaps, step, positions))
+
+    return period
 
 
 def _signature(state: Any, step: Any) -> Any:
@@ -54,20 +65,19 @@ def _signature(state: Any, step: Any) -> Any:
     return numba.typeof(state), types.float64, given, numba.typeof(step), written
 
 
-def _period(sources: str) -> HoldPeriod:
-    period: HoldPeriod = _period_around(hold_period, sources)
-    return period
+def _period(sources: str) -> Any:
+    return _period_around(hold_period, unnamed_plant, sources)
 
 
 def _machine_period(sources: str) -> Any:
-    return _period_around(hold_machine_period, sources)
+    return _period_around(hold_machine_period, unnamed_machine, sources)
 
 
-def _period_around(hold: Any, sources: str) -> Any:
+def _period_around(hold: Any, unnamed: Any, sources: str) -> Any:
     def period(
         state: Any, voltage: float, gaps: FloatArray, step: Any, positions: FloatArray
     ) -> Any:
         _ = sources
-        return hold(state, voltage, gaps, step, positions)
+        return unnamed(hold(state, voltage, gaps, step, positions))
 
     return period

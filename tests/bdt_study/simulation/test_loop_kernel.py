@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from interrupted_calls import end_of_interrupted
 
 pytest.importorskip("numba")
 
@@ -46,3 +47,16 @@ def test_rows_are_in_vectors_whatever_was_before(tmp_path):
     alone = packed_multiplications(tmp_path / "alone")
     assert alone > 10
     assert packed_multiplications(tmp_path / "after", MUCH_BEFORE) == alone
+
+
+SCENARIO = """
+from bdt_plant.cogging import CoggingParameters
+from bdt_plant.plant import PlantModel
+from bdt_study.simulation.closed_loop import Scenario, simulate
+scenario = Scenario(duration=0.02, model=PlantModel({effect}))
+"""
+
+
+@pytest.mark.parametrize("effect", ["", "cogging=CoggingParameters(3e-3)"])
+def test_ctrl_c_in_a_simulation_is_an_exception_as_anywhere(effect):
+    assert end_of_interrupted(SCENARIO.format(effect=effect), "simulate(scenario)") == (0, "")

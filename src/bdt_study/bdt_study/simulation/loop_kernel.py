@@ -14,8 +14,9 @@ from numba import typeof, types
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
-from bdt_controller.control_law import control_step
-from bdt_controller.pid import PidGains
+from bdt_controller.control_law import ControlState, control_step
+from bdt_controller.notch import NotchState
+from bdt_controller.pid import PidGains, PidState
 from bdt_plant.actuator import amplified, saturated
 from bdt_plant.compilation import compile_with_steps
 from bdt_plant.machine import (
@@ -28,6 +29,7 @@ from bdt_plant.machine import (
 from bdt_plant.plant import PlantModel, Sampling, first_platform, plant_step
 from bdt_plant.sensor import seen_position, sensor_reading
 from bdt_plant.sensor_delay import delayed
+from bdt_plant.unnamed_states import named_machine, named_plant, unnamed_machine, unnamed_plant
 from bdt_study.simulation.loop_model import (
     DiscreteLoop,
     LoopInputs,
@@ -95,16 +97,24 @@ def run_kernel(
         theta_d is, too.
     """
     is_machine = isinstance(step.plant, DiscreteMachine)
-    result: LoopState = compiled_loop(is_machine=is_machine)(state, step, *inputs, *signals)
+    # The loop writes into what the sensor remembers; the state before stays as it was.
+    line, recent = state.sensor.line.copy(), state.sensor.recent.copy()
+    state = state._replace(sensor=state.sensor._replace(line=line, recent=recent))
+    loop = compiled_loop(is_machine=is_machine)
+    plant, (pid, notch, *others), reading = loop(state, step, *inputs, *signals)
     q1 = signals[SIMULATED.index("q1")]
     if not is_machine and q1.strides[0]:
         # Platform 1 follows the screw (eq. 1): storing it in the loop takes 6 % more time.
         np.multiply(step.plant.pitch, signals[SIMULATED.index("theta_d")], out=q1)
-    return result
+    return LoopState(
+        named_machine(plant) if is_machine else named_plant(plant),
+        ControlState(PidState(*pid), NotchState(*notch), *others),
+        SensorState(state.sensor.sample + signals[0].size, reading, line, recent),
+    )
 
 
 SHARED = (control_step, saturated, amplified, delayed, seen_position, sensor_reading)
-COMPILED = (plant_step, first_platform, *SHARED)
+COMPILED = (plant_step, first_platform, unnamed_plant, *SHARED)
 """Step functions of the cores that the kernel calls."""
 
 
@@ -119,7 +129,7 @@ def compiled_loop(*, is_machine: bool) -> Any:
         is as fast as if there were no other.
     """
     if is_machine:
-        steps = (machine_step, first_platform_of_machine, *SHARED)
+        steps = (machine_step, first_platform_of_machine, unnamed_machine, *SHARED)
         return compile_with_steps(_machine_loop, steps, _machine_signature)
     return compile_with_steps(_closed_loop, COMPILED, _signature)
 
@@ -144,17 +154,21 @@ def _signature() -> Any:
     )
 
 
-def _closed_loop(sources: str) -> Callable[..., LoopState]:
-    return _loop_around(plant_step, first_platform, is_machine=False, sources=sources)
+def _closed_loop(sources: str) -> Callable[..., Any]:
+    return _loop_around(
+        plant_step, first_platform, unnamed_plant, is_machine=False, sources=sources
+    )
 
 
-def _machine_loop(sources: str) -> Callable[..., LoopState]:
-    return _loop_around(machine_step, first_platform_of_machine, is_machine=True, sources=sources)
+def _machine_loop(sources: str) -> Callable[..., Any]:
+    return _loop_around(
+        machine_step, first_platform_of_machine, unnamed_machine, is_machine=True, sources=sources
+    )
 
 
 def _loop_around(
-    plant_step: Any, first_platform: Any, *, is_machine: bool, sources: str
-) -> Callable[..., LoopState]:
+    plant_step: Any, first_platform: Any, unnamed: Any, *, is_machine: bool, sources: str
+) -> Callable[..., Any]:
     def closed_loop(
         state: LoopState,
         step: DiscreteLoop,
@@ -172,11 +186,10 @@ def _loop_around(
         q2: FloatArray,
         q3: FloatArray,
         measured: FloatArray,
-    ) -> LoopState:
+    ) -> tuple[Any, Any, float]:
         _ = sources
         plant, control, sensor = state
-        begin, reading = sensor.sample, sensor.reading
-        line, recent = sensor.line.copy(), sensor.recent.copy()
+        begin, reading, line, recent = sensor
         hold = (gaps.size - 1) // references.size
         is_traced = current.size > 0
         voltage = applied = 0.0
@@ -211,6 +224,7 @@ def _loop_around(
                     q2[sample] = plant.structure.q2
                     measured[sample] = reading
                 plant = plant_step(plant, applied, gaps[sample + 1], step.plant)
-        return LoopState(plant, control, SensorState(begin + u.size, reading, line, recent))
+        pid, notch, tolerance, offset, blend = control
+        return unnamed(plant), (pid[:], notch[:], tolerance, offset, blend), reading
 
     return closed_loop
