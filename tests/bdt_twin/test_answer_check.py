@@ -9,6 +9,7 @@ from bdt_twin.answer_check import (
     DOUBTFUL,
     FIRST_SHARE,
     HARDLY_EXPLAINED,
+    SAME_REVERSAL,
     AnswerCheck,
 )
 from bdt_twin.innovations import NoiseLevels
@@ -27,7 +28,7 @@ def doubt(check, *gap, **more):
 def whole_doubt(
     check, gap=KNOWN[0], uncertainty=SURE, expected=KNOWN, levels=EXPLAINED, **happened
 ):
-    happened = {"is_pushed": False, "is_surprised": False} | happened
+    happened = {"at": 0.0, "is_pushed": False, "is_surprised": False} | happened
     return check.doubt(gap, uncertainty, expected, levels, **happened)
 
 
@@ -83,11 +84,19 @@ def test_where_the_model_explains_the_machine_silence_costs_no_answer(check):
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_an_answer_far_from_what_was_known_is_stated_when_it_is_repeated(check, side):
+def test_an_answer_far_from_what_was_known_is_stated_when_another_reversal_repeats_it(check, side):
     allowed = CONTRADICTION * math.hypot(SURE, KNOWN[1])
     assert doubt(check, KNOWN[0] + side * 0.99 * allowed) == ""
     assert "contradicts" in doubt(check, KNOWN[0] + side * 1.01 * allowed)
-    assert doubt(check, KNOWN[0] + side * 1.01 * allowed) == ""
+    assert doubt(check, KNOWN[0] + side * 1.01 * allowed, at=1.01 * SAME_REVERSAL) == ""
+
+
+def test_windows_that_share_a_reversal_say_it_once(check):
+    """Of two gaps that explain a reversal all its windows may choose the same wrong one."""
+    for fitted_again in (0.0, 0.3, 0.6, 0.9):
+        told = fitted_again * SAME_REVERSAL
+        assert "contradicts" in doubt(check, 2.0 * KNOWN[0], at=told)
+    assert doubt(check, 2.0 * KNOWN[0], at=1.01 * SAME_REVERSAL) == ""
 
 
 def test_an_answer_that_is_very_sure_contradicts_only_where_something_was_pushed(check):
@@ -103,15 +112,15 @@ def test_an_answer_that_leaves_the_newest_data_unexplained_is_not_stated(check):
 
 
 def test_what_contradicts_has_to_be_repeated_not_to_be_another_contradiction(check):
-    assert "newest" in doubt(check, 2.0 * KNOWN[0], is_surprised=True)
-    assert "contradicts" in doubt(check, 0.5 * KNOWN[0])
-    assert "contradicts" in doubt(check, 2.0 * KNOWN[0])
+    assert "newest" in doubt(check, 2.0 * KNOWN[0], at=0.0, is_surprised=True)
+    assert "contradicts" in doubt(check, 0.5 * KNOWN[0], at=1.0)
+    assert "contradicts" in doubt(check, 2.0 * KNOWN[0], at=2.0)
     # Nearer to the contradiction than to what was known before: the gap may grow meanwhile.
-    assert doubt(check, 2.2 * KNOWN[0]) == ""
-    assert "contradicts" in doubt(check, 2.0 * KNOWN[0])
+    assert doubt(check, 2.2 * KNOWN[0], at=3.0) == ""
+    assert "contradicts" in doubt(check, 2.0 * KNOWN[0], at=4.0)
     # What was known before may turn out to be right as well.
-    assert doubt(check) == ""
-    assert "contradicts" in doubt(check, 2.2 * KNOWN[0])
+    assert doubt(check, at=5.0) == ""
+    assert "contradicts" in doubt(check, 2.2 * KNOWN[0], at=6.0)
 
 
 def test_a_gap_is_a_bound_all_the_same_where_it_is_only_not_sure_enough(check):

@@ -269,6 +269,31 @@ def test_fits_begin_anew_only_where_windows_leave_the_gap_unknown(
     assert any(beginnings[MOST_HELD:]) is begins_anew
 
 
+def test_a_fit_begun_anew_has_to_explain_its_window_as_the_ones_before_were(
+    closed_loop, monkeypatch
+):
+    begun_anew, surprises = [], []
+    fit_window = next_fit.fit_window
+
+    def worse_when_anew(window, growth_change, machine, predicted=None, *rest):
+        fit = fit_window(window, growth_change, machine, predicted, *rest)
+        begun_anew.append(predicted is None)
+        return replace(fit, prediction_error=(3.0 if predicted is None else 1.0) * 1e-6)
+
+    def noted(_, *known, is_surprised, **more):
+        surprises.append(is_surprised)
+        return Doubt("it has to be surer")
+
+    monkeypatch.setattr(next_fit, "fit_window", worse_when_anew)
+    monkeypatch.setattr(AnswerCheck, "doubt", noted)
+    rows = measured(closed_loop(PROFILES[0], 12.0).rows, 1e-6, 1e-7, 1)
+    chosen = replace(CHOSEN, largest_uncertainty=1e-6)
+    estimates_of(rows, chosen, seconds(rows))
+    later = [surprise for anew, surprise in zip(begun_anew, surprises, strict=True) if anew][1:]
+    assert later
+    assert all(later)
+
+
 def test_a_gap_too_unsure_for_an_answer_is_stated_with_its_uncertainty_as_long_as_nothing_is_known(
     closed_loop,
 ):

@@ -12,6 +12,8 @@ CONTRADICTION = 2.0
 """Standard uncertainties between two gaps that contradict each other; windows share their data."""
 HARMLESS = math.radians(0.3)
 """Difference of two gaps that is no contradiction however sure both are [rad]."""
+SAME_REVERSAL = 0.1
+"""Time between two reversals from which on they are not the same one, found anew [s]."""
 HARDLY_EXPLAINED = 8.0
 """Walk of the motor in a second, over the noise of a reading, from which on a first answer may be
 that of a fit which has not yet found the best one."""
@@ -46,7 +48,7 @@ class AnswerCheck:
     def __init__(self, largest_uncertainty: float) -> None:
         self._largest = largest_uncertainty
         self._sure_before = self._stated_before = False
-        self._contradiction = 0.0
+        self._contradiction = self._contradicted_at = 0.0
 
     def unexplained(self) -> None:
         """Take note of a window that no fit explains."""
@@ -59,6 +61,7 @@ class AnswerCheck:
         expected: tuple[float, float] | None,
         levels: NoiseLevels,
         *,
+        at: float,
         is_pushed: bool,
         is_surprised: bool,
     ) -> Doubt:
@@ -72,6 +75,8 @@ class AnswerCheck:
             The same, as known before; None if nothing was.
         levels : NoiseLevels
             Noise of the machine.
+        at : float
+            Time of the reversal that has told the gap [s].
         is_pushed : bool
             Whether something pushed a platform, which a gap that has just jumped looks like.
         is_surprised : bool
@@ -83,7 +88,7 @@ class AnswerCheck:
         if not reason:
             is_compared = uncertainty >= DOUBTFUL or is_pushed
             reason = self._contradicting_because(
-                gap, uncertainty, expected if is_compared else None
+                gap, uncertainty, expected if is_compared else None, at
             )
         self._sure_before = uncertainty <= self._largest
         self._stated_before = not reason
@@ -103,16 +108,19 @@ class AnswerCheck:
         return ""
 
     def _contradicting_because(
-        self, gap: float, uncertainty: float, expected: tuple[float, float] | None
+        self, gap: float, uncertainty: float, expected: tuple[float, float] | None, at: float
     ) -> str:
         if expected is not None:
             before, its_uncertainty = expected
             off = gap - before
             spread = max(CONTRADICTION * math.hypot(uncertainty, its_uncertainty), HARMLESS)
-            # Said twice, it is what was known before that was wrong.
             is_repeated = abs(off - self._contradiction) < abs(off)
-            if abs(off) > spread and not is_repeated:
-                self._contradiction = off
+            # Said by two reversals, it is what was known before that was wrong. Windows with the
+            # same one may all choose the wrong one of two gaps that explain it.
+            is_confirmed = is_repeated and at - self._contradicted_at > SAME_REVERSAL
+            if abs(off) > spread and not is_confirmed:
+                if not is_repeated:
+                    self._contradiction, self._contradicted_at = off, at
                 return "the gap contradicts what was known before"
         self._contradiction = 0.0
         return ""

@@ -131,6 +131,7 @@ class OutputErrorEstimator:
         self._walks, self._growth_change = False, self._settings.growth_change
         self._predecessor: Predecessor | None = None
         self._moves_from = math.inf
+        self._error = math.inf
         self._check, self._held = AnswerCheck(self._settings.largest_uncertainty), 0
         self._gap = GapKnowledge(self._settings.largest_uncertainty)
         self._machine = MachineMemory(self._model.motor)
@@ -224,6 +225,7 @@ class OutputErrorEstimator:
         if found is not None:
             self._machine.begin_anew(found.cogs, found.present)
             self._predecessor, self._held = found.window, 0
+            self._error = found.window.fit.prediction_error
 
     def _validate(self, window: WindowModel, fit: Fit, newest: int) -> Estimate:
         """Return what a fit teaches, or the last estimate with the reason why it does not."""
@@ -240,14 +242,15 @@ class OutputErrorEstimator:
         is_unsure = uncertainty > self._settings.largest_uncertainty
         uncertainty *= self._first_doubt(at)
         growth, growth_uncertainty = growth_at(window, fit, at)
-        error = math.inf if self._predecessor is None else self._predecessor.fit.prediction_error
+        before, self._error = self._error, fit.prediction_error
         # A fit that had to begin anew may have found a bad one; the next window tells.
-        is_surprised = leaves_newest_unexplained(window, fit) or explains_worse(window, fit, error)
+        is_surprised = leaves_newest_unexplained(window, fit) or explains_worse(window, fit, before)
         doubt = self._check.doubt(
             gap,
             uncertainty,
             self._gap.expected(stamp, self._growth_change),
             fit.levels,
+            at=at,
             is_pushed=bool(fit.pushed.any()),
             is_surprised=is_surprised,
         )
