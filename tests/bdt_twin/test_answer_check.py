@@ -9,9 +9,9 @@ from bdt_twin.answer_check import (
     DOUBTFUL,
     FIRST_SHARE,
     HARDLY_EXPLAINED,
-    SAME_REVERSAL,
     AnswerCheck,
 )
+from bdt_twin.gap_knowledge import SAME_REVERSAL
 from bdt_twin.innovations import NoiseLevels
 
 LARGEST = math.radians(1.0)

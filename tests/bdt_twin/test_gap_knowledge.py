@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bdt_twin.estimator import Estimate
-from bdt_twin.gap_knowledge import ROUGHEST, GapKnowledge
+from bdt_twin.gap_knowledge import MUCH_SURER, ROUGHEST, SAME_REVERSAL, GapKnowledge
 
 LARGEST = math.radians(1.0)
 CHANGE = math.radians(0.02)
@@ -72,6 +72,31 @@ def test_an_answer_ends_what_was_known_roughly(knowledge):
     knowledge.learn_roughly(known_at(3.0, 10.0, 1.0), CHANGE)
     knowledge.learn(known_at(4.0, 5.0, 0.9, growth_uncertainty=math.radians(1.0)))
     assert held(knowledge, 60.0).gap == math.radians(5.0)
+
+
+@pytest.mark.parametrize(("later", "unsurer"), [(0.9, 1.1), (-0.9, 1.1), (0.9, 0.9), (1.1, 1.1)])
+def test_an_answer_that_knows_much_less_of_the_same_reversal_is_that_before(
+    knowledge, later, unsurer
+):
+    first = known_at(3.0, 5.0, 0.1, growth=0.01, growth_uncertainty=1e-3, age=0.5)
+    second = known_at(
+        3.0 + later * SAME_REVERSAL,
+        7.0,
+        unsurer * MUCH_SURER * 0.1,
+        age=1.5 - later * SAME_REVERSAL,
+        voltage_offset=0.02,
+        voltage_offset_uncertainty=0.001,
+    )
+    assert knowledge.learn(first) == first
+    stated = knowledge.learn(second)
+    if abs(later) > 1.0 or unsurer < 1.0:
+        assert stated == second
+        return
+    # The gap is that of the window that knew more; all else is of the newest one.
+    assert stated[:5] == first[:5]
+    assert stated.age == pytest.approx(1.5)
+    assert (stated.voltage_offset, stated.voltage_offset_uncertainty) == (0.02, 0.001)
+    assert knowledge.expected(3.0, CHANGE)[0] == first.gap
 
 
 def test_a_rough_gap_leaves_what_is_known_of_the_amplifier(knowledge):

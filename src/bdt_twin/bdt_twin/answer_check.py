@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from bdt_twin.gap_knowledge import SAME_REVERSAL
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.noise_levels import is_restless
 
@@ -12,8 +13,6 @@ CONTRADICTION = 2.0
 """Standard uncertainties between two gaps that contradict each other; windows share their data."""
 HARMLESS = math.radians(0.3)
 """Difference of two gaps that is no contradiction however sure both are [rad]."""
-SAME_REVERSAL = 0.1
-"""Time between two reversals from which on they are not the same one, found anew [s]."""
 HARDLY_EXPLAINED = 8.0
 """Walk of the motor in a second, over the noise of a reading, from which on a first answer may be
 that of a fit which has not yet found the best one."""

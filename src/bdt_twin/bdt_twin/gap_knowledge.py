@@ -6,6 +6,10 @@ from bdt_twin.estimator import Estimate
 
 ROUGHEST = 5.0
 """Largest uncertainties up to which a gap is worth knowing as long as nothing better is."""
+SAME_REVERSAL = 0.1
+"""Time between two reversals from which on they are not the same one, found anew [s]."""
+MUCH_SURER = 2.0
+"""Uncertainties of an answer over those of another that knows much more of the same reversal."""
 
 
 class GapKnowledge:
@@ -25,9 +29,29 @@ class GapKnowledge:
         self._answer: Estimate | None = None
         self._rough: Estimate | None = None
 
-    def learn(self, answer: Estimate) -> None:
-        """Take an answer."""
+    def learn(self, answer: Estimate) -> Estimate:
+        """Take an answer and return what is to be stated.
+
+        That is the gap of the answer before where it knew much more of the same reversal: its
+        window reached further back. A little more is chance, and to take the surest of many would
+        be to take the one that is sure by mistake.
+        """
+        known = self._answer
+        if (
+            known is not None
+            and abs(answer.time - known.time) < SAME_REVERSAL
+            and answer.uncertainty > MUCH_SURER * known.uncertainty
+        ):
+            answer = answer._replace(
+                time=known.time,
+                gap=known.gap,
+                uncertainty=known.uncertainty,
+                growth=known.growth,
+                growth_uncertainty=known.growth_uncertainty,
+                age=answer.age + answer.time - known.time,
+            )
         self._answer, self._rough = answer, None
+        return answer
 
     def learn_roughly(self, estimate: Estimate, growth_change: float) -> None:
         """Take a gap that is no answer, if it is surer than what is known.

@@ -280,7 +280,7 @@ class OutputErrorEstimator:
             estimate = estimate._replace(
                 voltage_offset=offset.voltage, voltage_offset_uncertainty=offset.uncertainty
             )
-        self._gap.learn(estimate)
+        estimate = self._gap.learn(estimate)
         self.last_fit = AcceptedFit(window, fit, estimate)
         # A gap that rises and falls is not held to the even growth of wear.
         self._growth_change = max(self._settings.growth_change, growth_change_of(window, fit))
