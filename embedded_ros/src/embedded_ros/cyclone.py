@@ -1,14 +1,14 @@
 """The calls of Cyclone DDS that need care with Python's global lock or that the binding lacks.
 
 They go through a DLL handle of our own: argument types set on the binding's handle would change
-the binding. Functions called here release the global lock; ``ddspy_write`` and ``ddspy_take`` of
-the binding keep it, which is faster where the call cannot block.
+the binding. Functions called here release the global lock; taking, and ``ddspy_write`` of the
+binding, keep it, which is faster where the call cannot block.
 """
 
 import ctypes as ct
-from typing import Final
+from typing import Final, NamedTuple
 
-from cyclonedds._clayer import ddspy_take, ddspy_write
+from cyclonedds._clayer import ddspy_write
 from cyclonedds.internal import DDS
 
 from embedded_ros.errors import RCLError
@@ -17,6 +17,7 @@ __all__ = [
     "ANY_STATE",
     "INFINITE",
     "GuardCondition",
+    "SampleInfo",
     "WaitSet",
     "assert_liveliness",
     "delete",
@@ -39,6 +40,7 @@ INFINITE: Final = 2**63 - 1
 _TIMEOUT = -10
 
 _lib = ct.CDLL(DDS._dll_handle._name)
+_lib_with_lock = ct.PyDLL(DDS._dll_handle._name)
 
 
 class _Container(ct.Structure):
@@ -47,8 +49,41 @@ class _Container(ct.Structure):
     _fields_ = (("data", ct.c_void_p), ("size", ct.c_size_t))
 
 
-def _function(name: str, *arguments: object) -> "ct._NamedFuncPointer":
-    function = getattr(_lib, name)
+class SampleInfo(NamedTuple):
+    """What is told of a sample: when it was written [ns], and the handle of the writer."""
+
+    source_timestamp: int
+    publication_handle: int
+
+
+class _Info(ct.Structure):
+    """The sample info of Cyclone DDS."""
+
+    _fields_ = (
+        ("states", ct.c_uint32 * 3),
+        ("valid_data", ct.c_bool),
+        ("source_timestamp", ct.c_int64),
+        ("instance_handle", ct.c_uint64),
+        ("publication_handle", ct.c_uint64),
+        ("generations_and_ranks", ct.c_uint32 * 5),
+    )
+
+
+class _Place:
+    """Where a sample is put: to make one takes as long as to take a sample."""
+
+    def __init__(self) -> None:
+        self.container, self.info = _Container(), _Info()
+        self._pointer = ct.c_void_p(ct.addressof(self.container))
+        self.address, self.info_address = ct.addressof(self._pointer), ct.addressof(self.info)
+
+
+#: Those that nobody uses at the moment.
+_places: list[_Place] = []
+
+
+def _function(name: str, *arguments: object, library: ct.CDLL = _lib) -> "ct._NamedFuncPointer":
+    function = getattr(library, name)
     function.argtypes = list(arguments)
     function.restype = ct.c_int32
     return function  # type: ignore[no-any-return]
@@ -57,6 +92,16 @@ def _function(name: str, *arguments: object) -> "ct._NamedFuncPointer":
 _HANDLES = ct.POINTER(ct.c_uint64)
 _delete = _function("dds_delete", ct.c_int32)
 _write = _function("dds_write", ct.c_int32, ct.c_void_p)
+_take = _function(
+    "dds_take",
+    ct.c_int32,
+    ct.c_void_p,
+    ct.c_void_p,
+    ct.c_size_t,
+    ct.c_uint32,
+    library=_lib_with_lock,
+)
+_free = _function("dds_free", ct.c_void_p, library=_lib_with_lock)
 _create_waitset = _function("dds_create_waitset", ct.c_int32)
 _attach = _function("dds_waitset_attach", ct.c_int32, ct.c_int32, ct.c_ssize_t)
 _detach = _function("dds_waitset_detach", ct.c_int32, ct.c_int32)
@@ -104,8 +149,11 @@ def write_blocking(writer: int, payload: bytes) -> None:
     _check(_write(writer, ct.byref(box)), "write a sample")
 
 
-def take_one(reader: int) -> "tuple[bytes, object] | None":
+def take_one(reader: int) -> tuple[bytes, SampleInfo] | None:
     """Take the oldest sample.
+
+    Not by ``ddspy_take``: it calls a class of Python for each sample, where a signal may be heard,
+    and crashes if the handler raises something.
 
     Returns
     -------
@@ -113,11 +161,20 @@ def take_one(reader: int) -> "tuple[bytes, object] | None":
         Payload and sample info; None if there is no sample, if it tells only that a writer went
         away, or if the reader is deleted.
     """
-    samples = ddspy_take(reader, ANY_STATE, 1)
-    if not samples or isinstance(samples, int):
-        return None
-    sample: tuple[bytes, object] = samples[0]
-    return sample if sample[1].valid_data else None  # type: ignore[attr-defined]
+    try:
+        place = _places.pop()
+    except IndexError:
+        place = _Place()
+    sample = None
+    if _take(reader, place.address, place.info_address, 1, 1) > 0:
+        container, info = place.container, place.info
+        if info.valid_data:
+            told = SampleInfo(info.source_timestamp, info.publication_handle)
+            sample = ct.string_at(container.data, container.size), told
+        _free(container.data)
+        container.data = None  # as Cyclone DDS expects it
+    _places.append(place)
+    return sample
 
 
 def matched(entity: int, *, writers: bool) -> list[int]:
