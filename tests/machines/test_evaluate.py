@@ -45,6 +45,16 @@ def test_a_loop_without_a_dead_zone_cycles_and_with_the_true_gap_does_not(fricti
     assert [step.limit_cycle for step in without] == [True] * 4
 
 
+def test_platforms_that_their_guides_hold_make_no_gap_wrong_and_sure():
+    trial = drawn("guides with 0.1 N", 0)
+    gaps = trial.course.gaps[: 40 * SECOND]
+    run = run_with_twin(trial.machine, replace(trial.course, gaps=gaps))
+    for each in run.estimates:
+        if each.is_known and not each.reason:
+            assert abs(each.gap - gaps[round(each.time * SECOND)]) < 4.0 * each.uncertainty
+    assert any("the platforms" in each.reason for each in run.estimates)
+
+
 def test_a_row_and_a_kind_have_no_results_in_common():
     assert not ROWS.keys() & KINDS.keys()
 

@@ -27,6 +27,8 @@ LIKENESS = 2e-7
 """Distance of both [m], in motions of 16 mm."""
 QUIET = UnknownMachine(noise=0.0, quantum=0.0)
 MOTOR = MotorParameters()
+FRICTION = 0.01
+"""Coulomb friction where something else depends on it [N m]."""
 
 
 def frictional(**constants):
@@ -91,3 +93,48 @@ def test_the_same_voltages_move_both_alike(name):
     assert np.abs(late - loop.measured).max() < LIKENESS
     if constants:
         assert np.abs(without - loop.measured).max() > 5.0 * LIKENESS
+
+
+def last_reading(machine, voltage, duration):
+    """Return where a machine is that was given a voltage for a time [s]."""
+    return readings(machine, np.full(round(duration * SAMPLING_RATE), voltage))[-1]
+
+
+def speed_of_screw(machine, voltage):
+    """Return how fast a voltage drives the screw in contact [m/s], in closed form."""
+    held_back = machine.resistance * machine.coulomb_friction / machine.torque_constant
+    return PITCH * (voltage - held_back) / machine.back_emf_constant
+
+
+def test_friction_that_fades_lets_the_motor_turn_faster():
+    lasting = replace(QUIET, coulomb_friction=FRICTION)
+    fading = replace(lasting, friction_fade=0.05)
+    gained = speed_of_screw(QUIET, 1.0) - speed_of_screw(lasting, 1.0)
+    ahead = last_reading(fading, 1.0, 8.0) - last_reading(lasting, 1.0, 8.0)
+    assert ahead == pytest.approx(gained * 0.05 * 8.0**2 / 2.0, rel=0.01)
+
+
+def test_friction_grows_along_the_screw():
+    machine = replace(QUIET, coulomb_friction=FRICTION, friction_along=50.0)
+    begin = speed_of_screw(machine, 1.0)
+    rate = 50.0 * (speed_of_screw(QUIET, 1.0) - begin)
+    moved = 8.0 - 0.5 * GAP * PITCH / begin
+    assert last_reading(machine, 1.0, 8.0) == pytest.approx(
+        begin * -math.expm1(-rate * moved) / rate, rel=1e-3
+    )
+
+
+def test_the_error_of_the_thread_repeats_with_each_turn():
+    error, voltages = 5e-6, np.full(round(16.0 * SAMPLING_RATE), 0.1)
+    off = readings(replace(QUIET, thread_error=error), voltages) - readings(QUIET, voltages)
+    turn = round(2.0 * math.pi * SAMPLING_RATE)
+    assert np.abs(off[-turn:]).max() == pytest.approx(error, rel=0.02)
+    assert off[-2 * turn : -turn] == pytest.approx(off[-turn:], abs=0.02 * error)
+
+
+def test_guides_hold_back_the_platforms():
+    force = 0.1
+    behind = last_reading(QUIET, 0.1, 8.0) - last_reading(
+        replace(QUIET, guide_friction=force), 0.1, 8.0
+    )
+    assert behind == pytest.approx(3.0 * force / QUIET.stiffness, rel=0.01)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -136,12 +137,30 @@ everyday = partial(machine_with, EFFECTS["everyday"])
 unknown = partial(machine_with, EFFECTS["unknown_machine"], gain=0.02, bias=50e-6)
 cogging = partial(machine_with, EFFECTS["cogging"])
 
+
+def slight_friction(generator: np.random.Generator, **constants: float) -> UnknownMachine:
+    """Return a machine with some friction, and constants that the estimator has no name for."""
+    effects = MachineEffects(friction=8e-3, gain_error=0.03, damping_error=0.15)
+    return replace(machine_with(effects, generator), **constants)
+
+
+def slight(**constants: float) -> Kind:
+    """Return the kind of machines with slight friction and some constants."""
+    return Kind(partial(slight_friction, **constants), decision="equation_9")
+
+
 KINDS = {
     "everyday": Kind(everyday),
     "unknown": Kind(unknown),
     "cogging": Kind(cogging, decision="equation_9"),
     "everyday, gap jumps": Kind(everyday, jumped),
     "everyday, gap rises and falls": Kind(everyday, breathing),
+    "slight friction": slight(),
+    "friction fades by 10 %": slight(friction_fade=0.1 / DRAWN_TIME),
+    "friction grows by 10 % in 10 mm": slight(friction_along=10.0),
+    "thread off by 1 um": slight(thread_error=1e-6),
+    "guides with 0.1 N": slight(guide_friction=0.1),
+    "twice the inertia": slight(inertia=10e-6),
 }
 """What is drawn."""
 

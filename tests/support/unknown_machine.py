@@ -53,6 +53,10 @@ class UnknownMachine:
     stribeck_speed: float = 2.0
     friction_asymmetry: float = 0.0
     """Share by which friction is larger forward, and smaller backward."""
+    friction_along: float = 0.0
+    """Share by which friction is larger for each meter of the screw's travel."""
+    friction_fade: float = 0.0
+    """Share of the friction that is lost in each second."""
     cogging: float = 0.0
     cogs: float = 24.0
     mass: float = 5.2
@@ -62,6 +66,10 @@ class UnknownMachine:
     """Force of a beam per cube of its bend [N/m^3]."""
     efficiency: float = 0.0
     """Of a screw that is driven against the structure; 0 for one that the structure never loads."""
+    thread_error: float = 0.0
+    """Amplitude of an error of the screw's travel that repeats with each turn."""
+    guide_friction: float = 0.0
+    """Coulomb friction of each platform."""
     amplifier_gain: float = 1.0
     amplifier_offset: float = 0.0
     amplifier_bits: int = 0
@@ -125,7 +133,7 @@ class RunningMachine:
         self._late = round(machine.delay / STEP_TIME)
         # Positions of the platform at every step: a delay is no whole number of samples.
         self._positions = np.zeros(count * self._inner + 1)
-        self._state, self._constants = np.zeros(9), _constants(machine)
+        self._state, self._constants = np.zeros(10), _constants(machine)
         self._voltages = np.empty(count)
         self._sample = 0
 
@@ -191,6 +199,10 @@ def _constants(machine: UnknownMachine) -> FloatArray:
             machine.cubic_stiffness,
             machine.efficiency,
             float(machine.pushes_middle),
+            machine.friction_along,
+            machine.friction_fade,
+            machine.thread_error,
+            machine.guide_friction,
         ]
     )
 
@@ -226,18 +238,21 @@ def _advance(
     viscous, coulomb, beyond, stribeck, asymmetry, cogging, cogs = constants[5:12]
     mass, stiffness, damping, cubic, efficiency, pushes_middle = constants[12:18]
     current, speed, motor, screw = state[:4]
-    q2, v2, q3, v3, base_speed = state[4:9]
+    along_screw, fade, thread_error, guide_friction = constants[18:22]
+    q2, v2, q3, v3, base_speed, time = state[4:10]
     inner = positions.size // gaps.size
     against = PITCH / efficiency if efficiency > 0.0 else 0.0
     # A screw that the load drives: below a half it is self-locking.
     along = PITCH * max(2.0 - 1.0 / efficiency, 0.0) if efficiency > 0.0 else 0.0
+    held, base = STEP_TIME * guide_friction / mass, PITCH * screw + thread_error * np.sin(screw)
     for step in range(positions.size):
         half, push = 0.5 * gaps[step // inner], pushes[step // inner]
         current += STEP_TIME / inductance * (voltage - back_emf * speed)
         current /= 1.0 + STEP_TIME * resistance / inductance
         torque = per_ampere * current - viscous * speed - cogging * np.sin(cogs * motor)
         friction = coulomb + beyond * np.exp(-((speed / stribeck) ** 2))
-        bend = PITCH * screw - q2
+        friction *= (1.0 + along_screw * PITCH * screw) * max(1.0 - fade * time, 0.0)
+        bend = base - q2
         load = stiffness * bend + cubic * bend**3 + damping * (base_speed - v2)
         resists = against * load if load > 0.0 else along * load
         forward = (1.0 + asymmetry) * friction
@@ -251,17 +266,20 @@ def _advance(
         else:
             speed = min(free + STEP_TIME / inertia * max(backward, 0.0), 0.0)
         motor += STEP_TIME * speed
-        before = screw
-        screw = min(max(screw, motor - half), motor + half)
-        base_speed = PITCH * (screw - before) / STEP_TIME
-        bend = PITCH * screw - q2
+        screw, before = min(max(screw, motor - half), motor + half), base
+        base = PITCH * screw + thread_error * np.sin(screw)
+        base_speed = (base - before) / STEP_TIME
+        bend = base - q2
         lower = stiffness * bend + cubic * bend**3 + damping * (base_speed - v2)
         bend = q3 - q2
         upper = stiffness * bend + cubic * bend**3 + damping * (v3 - v2)
         v2 += STEP_TIME * (lower + upper + pushes_middle * push) / mass
         v3 += STEP_TIME * ((1.0 - pushes_middle) * push - upper) / mass
+        v2 -= min(max(v2, -held), held)
+        v3 -= min(max(v3, -held), held)
+        time += STEP_TIME
         q2 += STEP_TIME * v2
         q3 += STEP_TIME * v3
         positions[step] = q3
     state[0], state[1], state[2], state[3] = current, speed, motor, screw
-    state[4], state[5], state[6], state[7], state[8] = q2, v2, q3, v3, base_speed
+    state[4], state[5], state[6], state[7], state[8], state[9] = q2, v2, q3, v3, base_speed, time
