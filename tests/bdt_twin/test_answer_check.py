@@ -9,6 +9,7 @@ from bdt_twin.answer_check import (
     DOUBTFUL,
     FIRST_SHARE,
     HARDLY_EXPLAINED,
+    MOST_PUSHED,
     AnswerCheck,
 )
 from bdt_twin.gap_knowledge import SAME_REVERSAL
@@ -28,7 +29,7 @@ def doubt(check, *gap, **more):
 def whole_doubt(
     check, gap=KNOWN[0], uncertainty=SURE, expected=KNOWN, levels=EXPLAINED, **happened
 ):
-    happened = {"at": 0.0, "is_pushed": False, "is_surprised": False} | happened
+    happened = {"at": 0.0, "pushed": 0.0, "is_surprised": False} | happened
     return check.doubt(gap, uncertainty, expected, levels, **happened)
 
 
@@ -60,6 +61,13 @@ def test_where_a_machine_is_hardly_explained_answers_begin_surer_than_they_go_on
     assert doubt(check, uncertainty=goes_on, levels=HARDLY) == ""
     assert "newest" in doubt(check, levels=HARDLY, is_surprised=True)
     assert "unknown by" in doubt(check, uncertainty=goes_on, levels=HARDLY)
+
+
+def test_what_pushes_too_often_is_no_push_and_leaves_a_rough_gap(check):
+    assert doubt(check, pushed=0.99 * MOST_PUSHED) == ""
+    often = whole_doubt(check, pushed=0.03)
+    assert often.reason == "something holds or pushes the platforms for 3 % of the time"
+    assert often.is_of_uncertainty
 
 
 def test_where_it_is_explained_they_begin_as_they_go_on(check):
@@ -102,7 +110,7 @@ def test_windows_that_share_a_reversal_say_it_once(check):
 def test_an_answer_that_is_very_sure_contradicts_only_where_something_was_pushed(check):
     very_sure = 0.99 * DOUBTFUL
     assert doubt(check, 2.0 * KNOWN[0], very_sure) == ""
-    assert "contradicts" in doubt(check, 2.0 * KNOWN[0], very_sure, is_pushed=True)
+    assert "contradicts" in doubt(check, 2.0 * KNOWN[0], very_sure, pushed=0.001)
 
 
 def test_an_answer_that_leaves_the_newest_data_unexplained_is_not_stated(check):

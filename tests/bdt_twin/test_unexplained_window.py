@@ -14,7 +14,7 @@ from bdt_twin.unexplained_window import unexplained
 MACHINE = MachineMemory(MotorParameters())
 
 
-def fit(*, error=1e-6, residual=1e-6, travel=50.0, pushed=0, delay=0.0):
+def fit(*, error=1e-6, residual=1e-6, travel=50.0, delay=0.0):
     """Return a fit of 20 s in which the platform moves by a millimeter."""
     known = first_knowledge(MotorParameters())
     constants = known.expected.copy()
@@ -23,7 +23,6 @@ def fit(*, error=1e-6, residual=1e-6, travel=50.0, pushed=0, delay=0.0):
         responses=[SimpleNamespace(position=np.array([-1e-3, 1e-3]), travel=travel)],
         prediction_error=error,
         residual=residual,
-        pushed=np.repeat([1.0, 0.0], [pushed, 2500 - pushed]),
         machine=known._replace(expected=constants),
     )
 
@@ -44,10 +43,3 @@ def test_a_fit_that_predicts_its_window_explains_it():
 )
 def test_why_a_window_is_not_explained(constants, reversals, reason):
     assert unexplained(fit(**constants), reversals, MACHINE) == reason
-
-
-def test_what_pushes_the_platforms_too_often_is_no_push():
-    assert unexplained(fit(pushed=50), 1, MACHINE) == ""
-    assert unexplained(fit(pushed=75), 1, MACHINE) == (
-        "something holds or pushes the platforms for 3 % of the time"
-    )

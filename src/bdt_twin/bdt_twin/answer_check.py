@@ -18,6 +18,9 @@ HARDLY_EXPLAINED = 8.0
 that of a fit which has not yet found the best one."""
 FIRST_SHARE = 0.5
 """Share of the largest uncertainty that such a machine's first answer may have."""
+MOST_PUSHED = 0.025
+"""Share of a window in which something may push a platform. Pushes of 50 ms every 7 s take 0.009;
+what takes more, as guides in which the platforms stick, is no push but a model that is wrong."""
 
 
 class Doubt(NamedTuple):
@@ -61,7 +64,7 @@ class AnswerCheck:
         levels: NoiseLevels,
         *,
         at: float,
-        is_pushed: bool,
+        pushed: float,
         is_surprised: bool,
     ) -> Doubt:
         """Return why a gap is not stated, if it is not.
@@ -76,16 +79,17 @@ class AnswerCheck:
             Noise of the machine.
         at : float
             Time of the reversal that has told the gap [s].
-        is_pushed : bool
-            Whether something pushed a platform, which a gap that has just jumped looks like.
+        pushed : float
+            Share of the window in which something pushed a platform, which a gap that has just
+            jumped looks like.
         is_surprised : bool
             Whether the newest data are explained worse than the others.
         """
-        reason = unsure = self._unsure_because(uncertainty, levels)
+        reason = unsure = self._unsure_because(uncertainty, levels, pushed)
         if not reason and is_surprised:
             reason = "the newest data are not explained yet"
         if not reason:
-            is_compared = uncertainty >= DOUBTFUL or is_pushed
+            is_compared = uncertainty >= DOUBTFUL or pushed > 0.0
             reason = self._contradicting_because(
                 gap, uncertainty, expected if is_compared else None, at
             )
@@ -93,10 +97,12 @@ class AnswerCheck:
         self._stated_before = not reason
         return Doubt(reason, bool(unsure) and not is_surprised)
 
-    def _unsure_because(self, uncertainty: float, levels: NoiseLevels) -> str:
+    def _unsure_because(self, uncertainty: float, levels: NoiseLevels, pushed: float) -> str:
         unknown = f"unknown by {math.degrees(uncertainty):.3g} deg"
         if uncertainty > self._largest:
             return f"the gap remains {unknown}"
+        if pushed > MOST_PUSHED:
+            return f"something holds or pushes the platforms for {100.0 * pushed:.2g} % of the time"
         if is_restless(levels, HARDLY_EXPLAINED):
             if not self._sure_before:
                 return (

@@ -251,7 +251,7 @@ class OutputErrorEstimator:
             self._gap.expected(stamp, self._growth_change),
             fit.levels,
             at=at,
-            is_pushed=bool(fit.pushed.any()),
+            pushed=fixed_order.mean(fit.pushed),
             is_surprised=is_surprised,
         )
         self._held = self._held + 1 if is_surprised or is_unsure else 0

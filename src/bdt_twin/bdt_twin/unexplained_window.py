@@ -1,7 +1,5 @@
 """Whether a fit explains the data of its window."""
 
-import numpy as np
-
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import standard_deviation
 from bdt_twin.forward_model import SMALLEST_TRAVEL
@@ -11,9 +9,6 @@ MISFIT = 0.02
 """Share of the position's motion that is not predicted in a window that is explained."""
 UNEXPLAINED = 0.1
 """Share of a residual that is unexplained even if noise of the machine would make it likely."""
-MOST_PUSHED = 0.025
-"""Share of a window in which something may push a platform. Pushes of 50 ms every 7 s take 0.009;
-what takes more, as guides in which the platforms stick, is no push but a model that is wrong."""
 
 
 def unexplained(fit: Fit, reversals: int, machine: MachineMemory) -> str:
@@ -40,7 +35,4 @@ def unexplained(fit: Fit, reversals: int, machine: MachineMemory) -> str:
         )
     if strange := machine.implausible(fit.machine):
         return f"only an odd {strange} would explain the data"
-    pushed = np.count_nonzero(fit.pushed) / fit.pushed.size
-    if pushed > MOST_PUSHED:
-        return f"something holds or pushes the platforms for {100.0 * pushed:.2g} % of the time"
     return ""
