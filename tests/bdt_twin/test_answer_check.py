@@ -63,11 +63,12 @@ def test_where_a_machine_is_hardly_explained_answers_begin_surer_than_they_go_on
     assert "unknown by" in doubt(check, uncertainty=goes_on, levels=HARDLY)
 
 
-def test_what_pushes_too_often_is_no_push_and_leaves_a_rough_gap(check):
-    assert doubt(check, pushed=0.99 * MOST_PUSHED) == ""
-    often = whole_doubt(check, pushed=0.03)
+@pytest.mark.parametrize("expected", [None, KNOWN])
+def test_what_pushes_too_often_is_no_push_and_leaves_at_most_a_rough_gap(check, expected):
+    assert doubt(check, expected=expected, pushed=0.99 * MOST_PUSHED) == ""
+    often = whole_doubt(check, expected=expected, pushed=0.03)
     assert often.reason == "something holds or pushes the platforms for 3 % of the time"
-    assert often.is_of_uncertainty
+    assert often.is_of_uncertainty == (expected is None)
 
 
 def test_where_it_is_explained_they_begin_as_they_go_on(check):

@@ -85,7 +85,7 @@ class AnswerCheck:
         is_surprised : bool
             Whether the newest data are explained worse than the others.
         """
-        reason = unsure = self._unsure_because(uncertainty, levels, pushed)
+        reason = unsure = self._unsure_because(uncertainty, levels)
         if not reason and is_surprised:
             reason = "the newest data are not explained yet"
         if not reason:
@@ -93,16 +93,19 @@ class AnswerCheck:
             reason = self._contradicting_because(
                 gap, uncertainty, expected if is_compared else None, at
             )
+        if not reason and pushed > MOST_PUSHED:
+            share = f"{100.0 * pushed:.2g} %"
+            reason = f"something holds or pushes the platforms for {share} of the time"
+            # A gap by a wrong model is better than none, and no better than an answer.
+            unsure = reason if expected is None else ""
         self._sure_before = uncertainty <= self._largest
         self._stated_before = not reason
         return Doubt(reason, bool(unsure) and not is_surprised)
 
-    def _unsure_because(self, uncertainty: float, levels: NoiseLevels, pushed: float) -> str:
+    def _unsure_because(self, uncertainty: float, levels: NoiseLevels) -> str:
         unknown = f"unknown by {math.degrees(uncertainty):.3g} deg"
         if uncertainty > self._largest:
             return f"the gap remains {unknown}"
-        if pushed > MOST_PUSHED:
-            return f"something holds or pushes the platforms for {100.0 * pushed:.2g} % of the time"
         if is_restless(levels, HARDLY_EXPLAINED):
             if not self._sure_before:
                 return (
