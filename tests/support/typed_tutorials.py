@@ -24,8 +24,8 @@ from markdown_it import MarkdownIt
 ROOT = Path(__file__).parents[2]
 TUTORIALS = ROOT / "docs" / "source" / "tutorials"
 PAGES = sorted(page for page in TUTORIALS.glob("*.md") if page.stem != "index")
-IN_REAL_TIME = ("look-at-a-loop-live", "your-machine")
-"""Tutorials whose loops do not wait for a busy computer."""
+IN_REAL_TIME = ("look-at-a-loop-live", "with-ros-2", "your-machine")
+"""Tutorials whose loops, or recorders, do not wait for a busy computer."""
 DEADLINE = 240.0
 """Wall time [s] after which a command hangs."""
 BUSY = re.compile(
