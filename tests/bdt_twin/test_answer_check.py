@@ -68,7 +68,7 @@ def test_what_pushes_too_often_is_no_push_and_leaves_at_most_a_rough_gap(check, 
     assert doubt(check, expected=expected, pushed=0.99 * MOST_PUSHED) == ""
     often = whole_doubt(check, expected=expected, pushed=0.03)
     assert often.reason == "something holds or pushes the platforms for 3 % of the time"
-    assert often.is_of_uncertainty == (expected is None)
+    assert often.is_rough == (expected is None)
 
 
 def test_where_it_is_explained_they_begin_as_they_go_on(check):
@@ -133,9 +133,9 @@ def test_what_contradicts_has_to_be_repeated_not_to_be_another_contradiction(che
 
 
 def test_a_gap_is_a_bound_all_the_same_where_it_is_only_not_sure_enough(check):
-    assert whole_doubt(check, uncertainty=UNSURE).is_of_uncertainty
-    assert not whole_doubt(check, uncertainty=UNSURE, is_surprised=True).is_of_uncertainty
-    assert not whole_doubt(check, 2.0 * KNOWN[0]).is_of_uncertainty
-    assert not whole_doubt(check).is_of_uncertainty
+    assert whole_doubt(check, uncertainty=UNSURE).is_rough
+    assert not whole_doubt(check, uncertainty=UNSURE, is_surprised=True).is_rough
+    assert not whole_doubt(check, 2.0 * KNOWN[0]).is_rough
+    assert not whole_doubt(check).is_rough
     check.unexplained()
-    assert whole_doubt(check, levels=HARDLY, expected=None).is_of_uncertainty
+    assert whole_doubt(check, levels=HARDLY, expected=None).is_rough

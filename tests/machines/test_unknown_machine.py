@@ -32,30 +32,30 @@ FRICTION = 0.01
 
 
 def frictional(**constants):
-    """Return a motor with 10 mN m of friction, and more."""
-    return replace(MOTOR, coulomb_friction=0.01, **constants)
+    """Return a motor with friction, and more."""
+    return replace(MOTOR, coulomb_friction=FRICTION, **constants)
 
 
 EFFECTS = {
     "nothing": ({}, {}, {}),
-    "Coulomb friction": ({"coulomb_friction": 0.01}, {"motor": frictional()}, {}),
+    "Coulomb friction": ({"coulomb_friction": FRICTION}, {"motor": frictional()}, {}),
     "viscous friction": (
         {"viscous_friction": 2e-5},
         {"motor": replace(MOTOR, viscous_friction=2e-5)},
         {},
     ),
     "friction at rest, larger forward": (
-        {"coulomb_friction": 0.01, "friction_at_rest": 0.016, "friction_asymmetry": 0.2},
+        {"coulomb_friction": FRICTION, "friction_at_rest": 0.016, "friction_asymmetry": 0.2},
         {"motor": frictional(), "stribeck": StribeckParameters(0.016, 2.0, 0.2)},
         {},
     ),
     "cogging beside friction": (
-        {"coulomb_friction": 0.01, "cogging": 3e-3},
+        {"coulomb_friction": FRICTION, "cogging": 3e-3},
         {"motor": frictional(), "cogging": CoggingParameters(3e-3, 24)},
         {},
     ),
     "load": (
-        {"coulomb_friction": 0.01, "efficiency": 0.4},
+        {"coulomb_friction": FRICTION, "efficiency": 0.4},
         {"motor": frictional(), "screw_mechanics": ScrewMechanics(0.4)},
         {},
     ),

@@ -30,12 +30,12 @@ class Doubt(NamedTuple):
     ----------
     reason : str
         Why; empty if it is stated.
-    is_of_uncertainty : bool
-        Whether it is just not sure enough; else something speaks against it.
+    is_rough : bool
+        Whether the gap is worth knowing roughly: it is just not sure enough, or all there is.
     """
 
     reason: str = ""
-    is_of_uncertainty: bool = False
+    is_rough: bool = False
 
 
 class AnswerCheck:
@@ -85,7 +85,8 @@ class AnswerCheck:
         is_surprised : bool
             Whether the newest data are explained worse than the others.
         """
-        reason = unsure = self._unsure_because(uncertainty, levels)
+        reason = self._unsure_because(uncertainty, levels)
+        is_rough = bool(reason) and not is_surprised
         if not reason and is_surprised:
             reason = "the newest data are not explained yet"
         if not reason:
@@ -97,10 +98,10 @@ class AnswerCheck:
             share = f"{100.0 * pushed:.2g} %"
             reason = f"something holds or pushes the platforms for {share} of the time"
             # A gap by a wrong model is better than none, and no better than an answer.
-            unsure = reason if expected is None else ""
+            is_rough = expected is None
         self._sure_before = uncertainty <= self._largest
         self._stated_before = not reason
-        return Doubt(reason, bool(unsure) and not is_surprised)
+        return Doubt(reason, is_rough)
 
     def _unsure_because(self, uncertainty: float, levels: NoiseLevels) -> str:
         unknown = f"unknown by {math.degrees(uncertainty):.3g} deg"

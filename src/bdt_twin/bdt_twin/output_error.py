@@ -272,7 +272,7 @@ class OutputErrorEstimator:
             age=time - stamp,
         )
         if doubt.reason:
-            if doubt.is_of_uncertainty:
+            if doubt.is_rough:
                 self._gap.learn_roughly(estimate, self._growth_change)
             return self._hold_estimate(time, doubt.reason)
         offset = self._machine.voltage_offset(fit.machine)
