@@ -42,22 +42,51 @@ except BaseException:
 print("goes on")
 """
 """What a worker of a pool does: whatever is thrown is a result for it."""
+TOLD_AT_ONCE = """
+import os
+import signal
+import soak
+import forked_node
+
+start = forked_node._CONTEXT.Process.start
+
+def start_and_be_told(process):
+    start(process)
+    os.kill(os.getpid(), signal.SIGTERM)
+
+forked_node._CONTEXT.Process.start = start_and_be_told
+"""
+"""Has it be told to end when it has started a node and not taken note of it yet."""
 
 
 def test_a_worker_that_is_told_to_end_does_not_go_on(tmp_path):
     """One that went on waited for work that never came, when another had ended before it."""
-    worker = subprocess.Popen(
-        [sys.executable, "-c", WORKER],
-        stdout=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(SOAK.parent), "TMPDIR": str(tmp_path)},
-        start_new_session=True,
-    )
+    worker = worker_that_runs(WORKER, tmp_path)
     end = time.monotonic() + 30.0
     while not list(tmp_path.glob("faults-*/*.log")):
         assert time.monotonic() < end, "no loop begins"
         time.sleep(0.05)
     worker.send_signal(signal.SIGTERM)
+    ends_and_leaves_nothing(worker, tmp_path)
+
+
+def test_a_worker_that_is_told_to_end_while_it_starts_a_node_leaves_none(tmp_path):
+    ends_and_leaves_nothing(worker_that_runs(TOLD_AT_ONCE + WORKER, tmp_path), tmp_path)
+
+
+def worker_that_runs(code, folder):
+    """Return a process with a group of its own, whose loops are in a folder."""
+    return subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(SOAK.parent), "TMPDIR": str(folder)},
+        start_new_session=True,
+    )
+
+
+def ends_and_leaves_nothing(worker, tmp_path):
+    """Check that a worker ends as one that was told to, with all that it has started."""
     said, _ = worker.communicate(timeout=30.0)
     assert (worker.returncode, said) == (130, "")
     assert not list(tmp_path.glob("faults-*")), "its loop is left"

@@ -20,6 +20,7 @@ from rclpy.executors import SingleThreadedExecutor
 
 from bdt_msgs_py.message_checks import check_telemetry_times
 from bdt_msgs_py.qos import qos_profile
+from bdt_msgs_py.stop_signals import StopSignals
 
 RECOVERY = 10.0
 """Time after the last fault in which a loop is back to what it is without faults [s]."""
@@ -154,12 +155,15 @@ class FaultedLoop:
         rules = [word for one in node.relayed for word in ("-r", f"{topic_of(one)}:=/sent/{one}")]
         parameters = (*node.parameters, *self._files_of(name))
         options = [word for one in parameters for word in ("-p", one)]
-        self._running[name] = ForkedNode(
-            node.module,
-            ["--ros-args", *rules, *options],
-            self._folder / f"{self._lives}-{name}.log",
-            {"ROS_DOMAIN_ID": str(self._domain)},
-        )
+        # Interrupted between its start and this note of it, it would live on.
+        with StopSignals() as signals:
+            self._running[name] = ForkedNode(
+                node.module,
+                ["--ros-args", *rules, *options],
+                self._folder / f"{self._lives}-{name}.log",
+                {"ROS_DOMAIN_ID": str(self._domain)},
+            )
+        signals.check()
 
     def _files_of(self, name):
         """Return the parameters that name the files of a node; each recorder has its own bag."""
