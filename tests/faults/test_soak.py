@@ -7,6 +7,8 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 SOAK = Path(__file__).with_name("soak.py")
 
 
@@ -57,6 +59,21 @@ def start_and_be_told(process):
 forked_node._CONTEXT.Process.start = start_and_be_told
 """
 """Has it be told to end when it has started a node and not taken note of it yet."""
+TOLD_AT_THE_END = """
+import os
+import signal
+import soak
+import forked_node
+
+kill = forked_node.ForkedNode.kill
+
+def be_told_and_kill(node):
+    os.kill(os.getpid(), signal.SIGTERM)
+    kill(node)
+
+forked_node.ForkedNode.kill = be_told_and_kill
+"""
+"""Has it be told to end while it ends the nodes of a loop that is over."""
 
 
 def test_a_worker_that_is_told_to_end_does_not_go_on(tmp_path):
@@ -70,8 +87,11 @@ def test_a_worker_that_is_told_to_end_does_not_go_on(tmp_path):
     ends_and_leaves_nothing(worker, tmp_path)
 
 
-def test_a_worker_that_is_told_to_end_while_it_starts_a_node_leaves_none(tmp_path):
-    ends_and_leaves_nothing(worker_that_runs(TOLD_AT_ONCE + WORKER, tmp_path), tmp_path)
+@pytest.mark.parametrize("moment", [TOLD_AT_ONCE, TOLD_AT_THE_END], ids=["starts", "ends"])
+def test_a_worker_that_is_told_to_end_while_it_starts_or_ends_a_loop_leaves_no_node(
+    moment, tmp_path
+):
+    ends_and_leaves_nothing(worker_that_runs(moment + WORKER, tmp_path), tmp_path)
 
 
 def worker_that_runs(code, folder):

@@ -105,36 +105,47 @@ class FaultedLoop:
         self._passing = []
 
     def judge(self):
-        """Run the loop to its end and return the verdict."""
-        try:
-            for name in self._nodes:
-                self._start(name)
-            came, end = self._relay.now, time.monotonic() + DEADLINE
-            while not self._is_over():
-                self._executor.spin_once(timeout_sec=0.05)
-                self._disturb()
-                if self._relay.now > came:
-                    came, end = self._relay.now, time.monotonic() + DEADLINE
-                if time.monotonic() > end:
-                    return Verdict("failed", f"hangs at t = {self._relay.now:g} s")
-                for name, process in self._running.items():
-                    if process.poll() is not None and not self._is_over():
-                        return Verdict("failed", f"{name} has ended: {self._said()}")
-            for _ in range(50):
-                self._executor.spin_once(timeout_sec=0.01)
-            code = self._stop_recorder()
-            said = self._said()
-            if code != 0:
-                return Verdict("failed", f"the recorder ended with {code}: {said}")
-            if "Traceback" in said:
-                return Verdict("failed", said)
-            rows = np.concatenate(self._rows)
-            if not np.isfinite(rows).all():
-                return Verdict("failed", "telemetry is not finite")
-            wrong = self._wrong_with_bags()
-            return Verdict("failed", wrong) if wrong else self._verdict(rows, said)
-        finally:
-            self._end()
+        """Run the loop to its end and return the verdict.
+
+        A request to end is answered between two callbacks, and when no process is left: a node
+        that is being started or ended would live on.
+        """
+        with StopSignals() as signals:
+            try:
+                verdict = self._run(signals)
+            finally:
+                self._end()
+        signals.check()
+        return verdict
+
+    def _run(self, signals):
+        for name in self._nodes:
+            self._start(name)
+        came, end = self._relay.now, time.monotonic() + DEADLINE
+        while not self._is_over():
+            signals.check()
+            self._executor.spin_once(timeout_sec=0.05)
+            self._disturb()
+            if self._relay.now > came:
+                came, end = self._relay.now, time.monotonic() + DEADLINE
+            if time.monotonic() > end:
+                return Verdict("failed", f"hangs at t = {self._relay.now:g} s")
+            for name, process in self._running.items():
+                if process.poll() is not None and not self._is_over():
+                    return Verdict("failed", f"{name} has ended: {self._said()}")
+        for _ in range(50):
+            self._executor.spin_once(timeout_sec=0.01)
+        code = self._stop_recorder()
+        said = self._said()
+        if code != 0:
+            return Verdict("failed", f"the recorder ended with {code}: {said}")
+        if "Traceback" in said:
+            return Verdict("failed", said)
+        rows = np.concatenate(self._rows)
+        if not np.isfinite(rows).all():
+            return Verdict("failed", "telemetry is not finite")
+        wrong = self._wrong_with_bags()
+        return Verdict("failed", wrong) if wrong else self._verdict(rows, said)
 
     def _is_over(self):
         """Tell whether the loop has come to its end."""
@@ -155,15 +166,12 @@ class FaultedLoop:
         rules = [word for one in node.relayed for word in ("-r", f"{topic_of(one)}:=/sent/{one}")]
         parameters = (*node.parameters, *self._files_of(name))
         options = [word for one in parameters for word in ("-p", one)]
-        # Interrupted between its start and this note of it, it would live on.
-        with StopSignals() as signals:
-            self._running[name] = ForkedNode(
-                node.module,
-                ["--ros-args", *rules, *options],
-                self._folder / f"{self._lives}-{name}.log",
-                {"ROS_DOMAIN_ID": str(self._domain)},
-            )
-        signals.check()
+        self._running[name] = ForkedNode(
+            node.module,
+            ["--ros-args", *rules, *options],
+            self._folder / f"{self._lives}-{name}.log",
+            {"ROS_DOMAIN_ID": str(self._domain)},
+        )
 
     def _files_of(self, name):
         """Return the parameters that name the files of a node; each recorder has its own bag."""
