@@ -9,7 +9,7 @@ import pytest
 
 from bdt_bringup.cli import run_command
 from bdt_live.measuring.process_load import tree_of
-from bdt_live.ros_process import NICENESS
+from bdt_live.niceness import PAGE_NICENESS
 from bdt_msgs_py.command_errors import BAD_INPUT
 
 
@@ -67,7 +67,7 @@ def nicenesses_of(module, processes):
 def test_the_process_of_ros_lets_the_nodes_go_first(live_loop):
     processes, ours = tree_of(live_loop.process.pid), os.getpriority(os.PRIO_PROCESS, 0)
     # Only a privileged user may be less nice than before.
-    assert nicenesses_of(b"bdt_live.ros_process", processes) == [max(ours, NICENESS)]
+    assert nicenesses_of(b"bdt_live.ros_process", processes) == [max(ours, PAGE_NICENESS)]
     for node in (b"bdt_plant.plant_node", b"bdt_controller.controller_node"):
         assert nicenesses_of(node, processes) == [ours]
 

@@ -4,7 +4,6 @@
 where MODE is that of the loop, ``lockstep`` or ``realtime``.
 """
 
-import os
 import socket
 import sys
 from pathlib import Path
@@ -13,11 +12,9 @@ from rclpy.executors import SingleThreadedExecutor
 
 from bdt_live.channel import Channel
 from bdt_live.live_node import LiveNode
+from bdt_live.niceness import PAGE_NICENESS, let_others_go_first
 from bdt_msgs_py.node_main import run_node
 from bdt_msgs_py.spinning import spin_at_intervals_until
-
-NICENESS = 10
-"""How much the process lets others go first, 0 to 19: the loop above all."""
 
 
 def spin_while_watched(executor: SingleThreadedExecutor, node: LiveNode) -> None:
@@ -29,7 +26,7 @@ def main(args: list[str] | None = None) -> None:
     """Run the node."""
     program, number, output, mode, *ros_arguments = sys.argv if args is None else args
     # Before there are other threads, which inherit it.
-    os.setpriority(os.PRIO_PROCESS, 0, max(os.getpriority(os.PRIO_PROCESS, 0), NICENESS))
+    let_others_go_first(0, PAGE_NICENESS)
     end = socket.socket(fileno=int(number))
     channel = Channel(end)
     try:

@@ -20,6 +20,7 @@ from bdt_bringup.supervisor import Supervisor, describe_end
 from bdt_live.access import Access
 from bdt_live.channel import Channel, channel_pair
 from bdt_live.from_server import page_asks, page_has_come
+from bdt_live.niceness import REPORT_NICENESS, let_others_go_first
 from bdt_live.server import PageServer
 from bdt_live.viewers import Viewers
 from bdt_msgs_py.command_errors import BadInputError, LoopError
@@ -198,8 +199,7 @@ class _Session:
             stdout=asyncio.subprocess.DEVNULL,
             stderr=asyncio.subprocess.PIPE,
         )
-        # The loop comes first.
-        os.setpriority(os.PRIO_PROCESS, process.pid, 19)
+        let_others_go_first(process.pid, REPORT_NICENESS)
         try:
             _, said = await process.communicate()
         except asyncio.CancelledError:
