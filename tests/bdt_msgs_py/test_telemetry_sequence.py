@@ -57,12 +57,16 @@ def test_behind_a_hole_a_batch_is_held_back_until_the_next_one_continues_it(sequ
     )
 
 
-def test_behind_a_hole_a_batch_that_comes_again_is_the_newest_one_of_a_plant_that_waits(sequence):
-    assert sequence.admit(batch(10.2), 100.0) == Admitted([])
+# A plant that waits has run ahead by a second: its newest batch begins a sample later.
+@pytest.mark.parametrize("begin", [10.2, 11.1])
+def test_behind_a_hole_a_batch_that_comes_again_is_the_newest_one_of_a_plant_that_waits(
+    sequence, begin
+):
+    assert sequence.admit(batch(begin), 100.0) == Admitted([])
     # At once it is the same message twice, which tells nothing.
-    assert sequence.admit(batch(10.2), 100.0 + 0.9 * SILENCE) == Admitted([])
-    assert begins(sequence.admit(batch(10.2), 100.0 + 1.1 * SILENCE)) == [10.2]
-    assert begins(sequence.admit(batch(10.3), 101.0)) == [10.3]
+    assert sequence.admit(batch(begin), 100.0 + 0.9 * SILENCE) == Admitted([])
+    assert begins(sequence.admit(batch(begin), 100.0 + 1.1 * SILENCE)) == [begin]
+    assert begins(sequence.admit(batch(begin + 0.1), 101.0)) == [begin + 0.1]
 
 
 @pytest.mark.parametrize("begin", [9.0, 12.0])

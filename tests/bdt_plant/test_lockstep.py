@@ -1,8 +1,11 @@
 """When the followers of a lockstep plant hold it."""
 
+import numpy as np
 import pytest
 
 from bdt_msgs_py.rejection import MessageRejectedError, Reason
+from bdt_msgs_py.telemetry_sequence import TelemetrySequence
+from bdt_msgs_py.time_sequence import SILENCE
 from bdt_plant.lockstep import RESTART_SILENCE, Followers
 
 SECOND = 1_000_000_000
@@ -56,6 +59,30 @@ def test_the_plant_runs_ahead_of_a_follower_by_20_batches_or_one_second(batch, b
         assert followers.lagging() == ["twin"]
     followers.telemetry_published((batches + 2) * batch)
     assert followers.blocking(SECOND) == ["twin"]
+
+
+@pytest.mark.parametrize("step", [5e-4, 5e-5])
+@pytest.mark.parametrize("duration", [0.05, 0.1, 0.6])
+def test_who_lost_all_that_the_plant_ran_ahead_believes_the_newest_telemetry(duration, step):
+    """Else the plant would wait for ever: it sends no other."""
+    followers, sequence = Followers(["twin"]), TelemetrySequence()
+    count = round(duration / step)
+
+    def published(number):
+        rows = np.zeros((count, 3))
+        rows[:, 0] = step * np.arange(1 + number * count, 1 + (number + 1) * count)
+        followers.telemetry_published(round(rows[-1, 0] * SECOND))
+        return rows
+
+    sequence.admit(published(0), 0.0)
+    followers.progress("twin", round(duration * SECOND), 100 * SECOND)
+    number = 1
+    while not followers.blocking(SECOND):
+        newest = published(number)
+        number += 1
+    assert not sequence.admit(newest, 10.0).batches
+    [admitted] = sequence.admit(newest, 10.0 + 1.1 * SILENCE).batches
+    assert admitted is newest
 
 
 def test_nobody_is_behind_who_has_the_newest_telemetry():

@@ -42,8 +42,9 @@ def interrupt(call: Callable[[], object], interruptions: int = 300) -> None:
     moments = random.Random(26)  # noqa: S311 - moments, no secrets
     call()
     for _ in range(interruptions):
-        signal.setitimer(signal.ITIMER_REAL, moments.uniform(5e-5, 5e-4))
         try:
+            # Within: on a busy machine the alarm may come before the next line is begun.
+            signal.setitimer(signal.ITIMER_REAL, moments.uniform(5e-5, 5e-4))
             while True:
                 call()
         except KeyboardInterrupt:

@@ -9,7 +9,7 @@ from bdt_msgs_py.rejection import MessageRejectedError, Reason
 from bdt_msgs_py.time_sequence import SILENCE
 
 LARGEST_HOLE = 1.0
-"""Time [s] that lost batches may leave out."""
+"""Time [s] that lost batches may leave out: by so much a plant in lockstep runs ahead at most."""
 
 STEP_FACTOR = 2.0
 """Factor by which a batch's mean time step may differ from the known one."""
@@ -109,13 +109,13 @@ class TelemetrySequence:
         else:
             is_expected = self._is_next(self._end, begin) or self._hole_before(begin) is not None
             is_another_run = begin <= self._end and self._clock_went_back
-            is_hole = _is_after(self._end, begin)
+            is_hole = self._is_after(self._end, begin)
         held, is_silent = self._held, now - self._admitted_at >= SILENCE
         if is_expected or is_another_run:
             if held is not None and self._is_next(float(rows[-1, 0]), float(held[0, 0])):
                 return self._admit([rows, held], now)  # it has overtaken this one
             return self._admit([rows], now, self._stray())
-        if held is not None and is_silent and _is_after(float(held[-1, 0]), begin):
+        if held is not None and is_silent and self._is_after(float(held[-1, 0]), begin):
             return self._admit([held, rows], now)
         if held is not None and is_hole and begin == float(held[0, 0]):
             if is_silent and now - self._held_at >= SILENCE:
@@ -135,6 +135,11 @@ class TelemetrySequence:
 
     def _is_next(self, end: float, begin: float) -> bool:
         largest = LARGEST_HOLE if self._step is None else _longest_step(self._step)
+        return 0.0 < begin - end <= largest
+
+    def _is_after(self, end: float, begin: float) -> bool:
+        """Tell whether a batch may begin there if those before it were lost, but for a sample."""
+        largest = LARGEST_HOLE if self._step is None else LARGEST_HOLE + _longest_step(self._step)
         return 0.0 < begin - end <= largest
 
     def _hole_before(self, begin: float) -> FloatArray | None:
@@ -190,7 +195,3 @@ class TelemetrySequence:
 def _longest_step(sample_time: float) -> float:
     """Return the longest time [s] from one sample to the next that is no hole."""
     return max(STEP_FACTOR * sample_time, LONGEST_BUNCH)
-
-
-def _is_after(end: float, begin: float) -> bool:
-    return 0.0 < begin - end <= LARGEST_HOLE
