@@ -104,7 +104,12 @@ def simulate_loop(profile, duration, rate, dead_zone_degrees, step_time, model):
         sampling=Sampling(sampling_rate=rate),
     )
     loop = simulate(scenario, keep=("u", "q3", "theta_d"))
-    return Loop(np.column_stack([loop.t, loop.u, loop.q3]), loop.theta_d, gaps_at(profile, loop.t))
+    rows = np.column_stack([loop.t, loop.u, loop.q3])
+    found = Loop(rows, loop.theta_d, gaps_at(profile, loop.t))
+    # All tests have the same ones.
+    for array in found:
+        array.flags.writeable = False
+    return found
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from bdt_twin.fixed_order import (
     dot,
     mean,
     product,
+    products_of_rows,
     solution,
     standard_deviation,
     total,
@@ -48,6 +49,13 @@ def test_sums_are_right_but_for_rounding():
     assert total(left) == pytest.approx(math.fsum(left.tolist()), rel=1e-13)
     assert mean(left) == pytest.approx(math.fsum(left.tolist()) / 1000, rel=1e-13)
     assert standard_deviation(left) == pytest.approx(np.std(left), rel=1e-13)
+
+
+def test_products_of_rows_are_those_of_each_with_each():
+    left, right = RANDOM.normal(size=(4, 300)), RANDOM.normal(size=(300, 7)).T
+    left[2, :150] = 0.0
+    assert products_of_rows(left, right) == pytest.approx(left @ right.T, abs=1e-11)
+    assert products_of_rows(left, right)[1, 3] == dot(left[1], right[3].copy()), "in the same order"
 
 
 def test_weighted_products_are_symmetric_and_those_of_all_pairs():

@@ -4,15 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from bdt_plant.motor import MotorParameters
 from bdt_twin.machine_knowledge import (
+    CHANGING,
     EFFECT_LIMITS,
     EFFECT_SPREAD,
     EFFECTS,
     FACTOR_SPREAD,
+    LONGEST_TREND,
     MachineKnowledge,
     first_knowledge,
 )
@@ -20,6 +22,7 @@ from bdt_twin.model_factors import FACTORS
 
 SPREAD = np.array([*FACTOR_SPREAD, *EFFECT_SPREAD])
 COUNT = len(FACTORS) + len(EFFECTS)
+FRICTION, GROWTH = (len(FACTORS) + EFFECTS.index(name) for name in CHANGING)
 SEEDS = st.integers(0, 10_000)
 SUBSETS = st.sets(st.sampled_from(range(len(EFFECTS))))
 
@@ -71,14 +74,24 @@ def test_what_is_expected_is_within_the_limits_of_each_effect():
 
 
 @given(SEEDS, SUBSETS)
-def test_absent_effects_stay_where_they_are_whatever_the_data_say(seed, absent):
-    known = told(seed).without(absent)
+@example(908, set())
+def test_absent_effects_stay_whatever_the_data_say_and_the_others_move_as_without_them(
+    seed, absent
+):
+    before = told(seed)
+    known = before.without(absent)
     places = [len(FACTORS) + effect for effect in sorted(absent)]
-    far = known.expected + 3.0 * SPREAD
-    found = after_data(known, far, 0.01 * SPREAD)
-    moved = np.abs(found - known.expected) / SPREAD
-    assert (moved[places] < 1e-6).all()
-    assert (np.delete(moved, places) > 0.1).all()
+    far, deviations = known.expected + 3.0 * SPREAD, 0.01 * SPREAD
+    found = after_data(known, far, deviations)
+    assert (np.abs(found - known.expected)[places] < 1e-6 * SPREAD[places]).all()
+    others = np.delete(np.arange(COUNT), places)
+    covariance = before.covariance[np.ix_(others, others)]
+    # As a Kalman filter has it, where the inverse of the covariance is not needed.
+    innovated = covariance + np.diag(np.square(deviations[others]))
+    moved = covariance @ np.linalg.solve(innovated, far[others] - before.expected[others])
+    assert found[others] - before.expected[others] == pytest.approx(
+        moved, rel=1e-6, abs=1e-6 * SPREAD.min()
+    )
 
 
 @given(SEEDS, SUBSETS)
@@ -116,6 +129,37 @@ def test_knowledge_of_no_age_is_doubted_and_time_does_not_run_backward():
     known = told(1)
     assert (np.diag(known.aged(0.0).covariance) > np.diag(known.covariance)).all()
     assert (known.aged(-5.0).covariance == known.aged(0.0).covariance).all()
+
+
+def as_changing(known, growth):
+    """Return the knowledge with 0.2 V of friction that grows by a share in each second."""
+    expected = known.expected.copy()
+    expected[[FRICTION, GROWTH]] = 0.2, growth
+    return known._replace(expected=expected)
+
+
+@given(SEEDS, st.floats(-0.01, 0.01), st.floats(0.0, LONGEST_TREND))
+def test_friction_that_was_changing_goes_on_and_its_doubt_with_it(seed, growth, time):
+    known = as_changing(told(seed), growth)
+    later = known.projected(time)
+    slopes = np.eye(COUNT)
+    slopes[FRICTION, [FRICTION, GROWTH]] = 1.0 + growth * time, 0.2 * time
+    assert later.expected[FRICTION] == pytest.approx(0.2 * (1.0 + growth * time))
+    assert (np.delete(later.expected, FRICTION) == np.delete(known.expected, FRICTION)).all()
+    expected = slopes @ known.covariance @ slopes.T
+    scale = np.sqrt(np.diag(expected))
+    assert later.covariance / np.outer(scale, scale) == pytest.approx(
+        expected / np.outer(scale, scale), abs=1e-9
+    )
+
+
+def test_friction_changes_no_further_than_anybody_has_seen_and_never_to_less_than_none():
+    known = as_changing(told(4), -0.1)
+    assert known.projected(1e6).expected[FRICTION] == 0.0
+    for one, other in zip(known.projected(1e6), known.projected(LONGEST_TREND), strict=True):
+        assert (one == other).all()
+    for one, other in zip(known.projected(-1.0), known, strict=True):
+        assert (one == other).all()
 
 
 def test_constants_walk_with_the_square_root_of_time():

@@ -6,11 +6,19 @@ import pytest
 from bdt_plant.motor import MotorParameters
 from bdt_twin.cogging_search import CoggingEvidence
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import ABSENT, EFFECT_SPREAD, EFFECTS, MachineKnowledge
+from bdt_twin.machine_knowledge import (
+    ABSENT,
+    COGGING,
+    EFFECT_SPREAD,
+    EFFECTS,
+    MachineKnowledge,
+)
 from bdt_twin.machine_memory import (
     COGGING_EVIDENCE,
     EVIDENCE,
+    OTHER_EVIDENCE,
     PLAUSIBLE,
+    SEARCH_AGAIN,
     SEARCH_EVERY,
     WITH_FRICTION,
     MachineMemory,
@@ -42,22 +50,22 @@ def spread_of(known, place):
 def test_a_machine_has_no_effect_before_there_is_evidence():
     memory = MachineMemory(MotorParameters())
     assert not memory.has_evidence(evidence_of("voltage_offset", EVIDENCE), told())
-    assert spread_of(memory.before(0.0), OFFSET) == pytest.approx(ABSENT * EFFECT_SPREAD[1])
+    assert spread_of(memory.before(0.0, 0.0), OFFSET) == pytest.approx(ABSENT * EFFECT_SPREAD[1])
 
 
 def test_evidence_makes_one_effect_at_a_time_an_unknown():
     memory = MachineMemory(MotorParameters())
     both = evidence_of("voltage_offset", 9.0) + evidence_of("friction_voltage", 20.0)
     assert memory.has_evidence(both, told())
-    assert spread_of(memory.before(0.0), FRICTION) == pytest.approx(EFFECT_SPREAD[0])
-    assert spread_of(memory.before(0.0), OFFSET) == pytest.approx(ABSENT * EFFECT_SPREAD[1])
+    assert spread_of(memory.before(0.0, 0.0), FRICTION) == pytest.approx(EFFECT_SPREAD[0])
+    assert spread_of(memory.before(0.0, 0.0), OFFSET) == pytest.approx(ABSENT * EFFECT_SPREAD[1])
     assert memory.has_evidence(both, told())
     assert not memory.has_evidence(both, told())
 
 
 def test_friction_of_the_model_is_an_unknown_from_the_beginning():
     motor = MotorParameters(coulomb_friction=0.01)
-    known = MachineMemory(motor).before(0.0)
+    known = MachineMemory(motor).before(0.0, 0.0)
     assert known.expected[FRICTION] == pytest.approx(0.01 / 0.8 * 12.0)
     assert spread_of(known, FRICTION) == pytest.approx(EFFECT_SPREAD[0])
 
@@ -71,12 +79,39 @@ def test_a_motor_with_certain_friction_has_all_that_friction_has(friction, sprea
     memory.has_evidence(evidence_of("friction_voltage", 20.0), told())
     joined = memory.has_evidence(NO_EVIDENCE, told(friction=friction, spread=spread))
     assert joined == is_certain
-    known = memory.before(0.0)
+    known = memory.before(0.0, 0.0)
     for name in WITH_FRICTION:
         place = EFFECTS.index(name)
         expected = EFFECT_SPREAD[place] * (1.0 if is_certain else ABSENT)
         assert spread_of(known, len(FACTORS) + place) == pytest.approx(expected)
     assert not memory.has_evidence(NO_EVIDENCE, told(friction=friction, spread=spread))
+
+
+@pytest.mark.parametrize("name", ["friction_growth", "friction_slope"])
+def test_friction_has_to_be_certain_before_it_changes(name):
+    memory, place = MachineMemory(MotorParameters()), len(FACTORS) + EFFECTS.index(name)
+    changes = evidence_of(name, EVIDENCE + 1.0)
+    memory.has_evidence(evidence_of("friction_voltage", 20.0), told())
+    assert not memory.has_evidence(changes, told(friction=0.15, spread=0.05))
+    certain = told(friction=0.15)
+    assert memory.has_evidence(NO_EVIDENCE, certain), "what all friction has joins first"
+    assert not memory.has_evidence(evidence_of(name, EVIDENCE), certain)
+    assert memory.has_evidence(changes, certain)
+    assert spread_of(memory.before(0.0, 0.0), place) == pytest.approx(
+        EFFECT_SPREAD[EFFECTS.index(name)]
+    )
+    assert not memory.has_evidence(changes, certain)
+
+
+def test_friction_that_was_changing_has_gone_on_to_the_end_of_the_window():
+    memory = MachineMemory(MotorParameters(coulomb_friction=0.01))
+    growth = len(FACTORS) + EFFECTS.index("friction_growth")
+    known = told(friction=0.15)
+    memory.has_evidence(NO_EVIDENCE, known)
+    memory.has_evidence(evidence_of("friction_growth", EVIDENCE + 1.0), known)
+    known.expected[growth] = -5e-3
+    memory.learn(10.0, known)
+    assert memory.before(10.5, 20.0).expected[FRICTION] == pytest.approx(0.15 * (1.0 - 0.05))
 
 
 def test_cogging_is_looked_for_where_the_motor_walks_now_and_then():
@@ -89,14 +124,39 @@ def test_cogging_is_looked_for_where_the_motor_walks_now_and_then():
 
 def test_cogging_joins_on_evidence_with_its_number_of_periods():
     memory = MachineMemory(MotorParameters())
-    assert not memory.has_cogging(CoggingEvidence(23, COGGING_EVIDENCE))
+    assert not memory.suspects_cogging(CoggingEvidence(23, COGGING_EVIDENCE))
+    assert memory.suspects_cogging(CoggingEvidence(24, COGGING_EVIDENCE + 1.0))
     assert memory.cogs == 0
-    assert memory.has_cogging(CoggingEvidence(24, COGGING_EVIDENCE + 1.0))
+    memory.has_cogging(24)
     assert memory.cogs == 24
-    assert not any(memory.looks_for_cogging(RESTLESS) for _ in range(2 * SEARCH_EVERY))
-    for name in ("cogging_sine", "cogging_cosine"):
-        place = EFFECTS.index(name)
-        assert spread_of(memory.before(0.0), len(FACTORS) + place) == EFFECT_SPREAD[place]
+    for place in COGGING:
+        assert spread_of(memory.before(0.0, 0.0), len(FACTORS) + place) == EFFECT_SPREAD[place]
+
+
+def test_another_number_of_periods_is_looked_for_later_where_one_was_no_better():
+    memory = MachineMemory(MotorParameters())
+    memory.has_cogging(24)
+    assert memory.suspects_cogging(CoggingEvidence(12, OTHER_EVIDENCE + 1.0))
+    assert memory.looks_for_cogging(RESTLESS)
+    memory.keeps_cogging()
+    looked = [memory.looks_for_cogging(RESTLESS) for _ in range(SEARCH_AGAIN)]
+    assert looked == [False] * (SEARCH_AGAIN - 1) + [True]
+
+
+def test_what_was_known_of_cogging_is_forgotten_with_another_number_of_periods():
+    memory = MachineMemory(MotorParameters(coulomb_friction=0.01))
+    memory.has_cogging(12)
+    known = told(friction=0.15, spread=1e-4)
+    places = [len(FACTORS) + place for place in sorted(COGGING)]
+    known.expected[places] = 0.02, -0.01
+    memory.learn(10.0, known)
+    assert memory.before(10.5, 20.0).expected[places] == pytest.approx([0.02, -0.01])
+    memory.has_cogging(24)
+    later = memory.before(10.5, 20.0)
+    assert not later.expected[places].any()
+    for place, effect in zip(places, sorted(COGGING), strict=True):
+        assert spread_of(later, place) == EFFECT_SPREAD[effect]
+    assert later.expected[FRICTION] == pytest.approx(0.15)
 
 
 @pytest.mark.parametrize("name", EFFECTS)
@@ -112,24 +172,24 @@ def test_only_windows_that_have_ended_before_count():
     memory.has_evidence(evidence_of("voltage_offset", 9.0), told())
     memory.learn(20.0, told(0.02))
     memory.learn(21.0, told(0.03))
-    assert memory.before(20.0).expected[OFFSET] == 0.0
-    assert memory.before(20.5).expected[OFFSET] == 0.02
-    assert memory.before(30.0).expected[OFFSET] == 0.03
+    assert memory.before(20.0, 20.0).expected[OFFSET] == 0.0
+    assert memory.before(20.5, 20.5).expected[OFFSET] == 0.02
+    assert memory.before(30.0, 30.0).expected[OFFSET] == 0.03
 
 
 def test_an_effect_found_later_was_not_told_of_before():
     memory = MachineMemory(MotorParameters())
     memory.learn(20.0, told(spread=1e-9))
     memory.has_evidence(evidence_of("voltage_offset", 9.0), told())
-    assert spread_of(memory.before(25.0), OFFSET) == pytest.approx(EFFECT_SPREAD[1])
+    assert spread_of(memory.before(25.0, 25.0), OFFSET) == pytest.approx(EFFECT_SPREAD[1])
 
 
 def test_what_was_told_makes_nothing_less_sure_than_nothing_told():
     memory = MachineMemory(MotorParameters())
     memory.has_evidence(evidence_of("voltage_offset", 9.0), told())
-    first = memory.before(0.0).covariance
+    first = memory.before(0.0, 0.0).covariance
     memory.learn(20.0, told(spread=10.0))
-    assert (np.diag(memory.before(1e6).covariance) <= np.diag(first) * (1 + 1e-12)).all()
+    assert (np.diag(memory.before(1e6, 1e6).covariance) <= np.diag(first) * (1 + 1e-12)).all()
 
 
 @pytest.mark.parametrize(
@@ -152,12 +212,12 @@ def test_a_memory_that_was_kept_goes_on_as_if_it_had_never_ended():
     first = MachineMemory(MotorParameters())
     assert first.recollection() is None
     first.has_evidence(evidence_of("voltage_offset", 20.0), told())
-    first.has_cogging(CoggingEvidence(gain=2.0 * COGGING_EVIDENCE, cogs=12))
+    first.has_cogging(12)
     first.voltage_offset(told(offset=0.02))
     first.learn(10.0, told(offset=0.02))
     later = MachineMemory(MotorParameters())
     later.recall(first.recollection(), 25.0)
-    for one, other in zip(first.before(35.0), later.before(7.0), strict=True):
+    for one, other in zip(first.before(35.0, 35.0), later.before(7.0, 7.0), strict=True):
         np.testing.assert_array_equal(one, other)
     assert later.cogs == 12
     assert later.voltage_offset(told(offset=1e-4)) is not None, "it is told from none already"
@@ -172,7 +232,7 @@ def test_the_older_what_was_kept_the_less_is_known():
     for age in (1.0, 1e3, 1e6):
         later = MachineMemory(MotorParameters(coulomb_friction=0.01))
         later.recall(kept, age)
-        spreads.append(spread_of(later.before(0.0), FRICTION))
+        spreads.append(spread_of(later.before(0.0, 0.0), FRICTION))
     assert spreads == sorted(spreads)
     assert spreads[0] < spreads[-1] == pytest.approx(EFFECT_SPREAD[0]), "no less than at first"
 
@@ -189,7 +249,7 @@ def test_a_machine_that_is_another_one_is_known_by_its_model_alone():
         "cogging_sine",
         "cogging_cosine",
     }
-    known = memory.before(30.0)
+    known = memory.before(30.0, 30.0)
     assert not known.expected[len(FACTORS) :].any()
     assert spread_of(known, len(FACTORS) + delay) == pytest.approx(EFFECT_SPREAD[delay])
     assert memory.recollection() is None

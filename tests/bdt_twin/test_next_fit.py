@@ -4,15 +4,23 @@ import math
 
 import numpy as np
 import pytest
+from recorded_machine import Run, record
+from unknown_machine import UnknownMachine
 
+from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel
 from bdt_twin import next_fit as module
-from bdt_twin.machine_memory import MachineMemory
+from bdt_twin.cogging_search import CoggingEvidence
+from bdt_twin.innovations import NoiseLevels
+from bdt_twin.machine_knowledge import COGGING
+from bdt_twin.machine_memory import SEARCH_AGAIN, MachineMemory
 from bdt_twin.next_fit import MOST_NEWCOMERS, next_fit
 from bdt_twin.stretch import Stretch
 from bdt_twin.window_model import WindowModel
+from bdt_twin.window_prediction import Predecessor
 
 RATE, BLOCK = 1000.0, 5
+RESTLESS = NoiseLevels(1e-6, slow=1e-4)
 
 
 class FullOfEffects(MachineMemory):
@@ -49,3 +57,53 @@ def test_effects_join_one_after_the_other_and_none_where_a_fit_took_long(
     assert fit.unknowns is fits[-1].unknowns
     assert fit.simulated == sum(each.simulated for each in fits)
     assert len(fits) == 1 + newcomers
+
+
+@pytest.fixture(scope="module")
+def cogged():
+    """Return a window of a motor with 24 cogs in a turn."""
+    machine = UnknownMachine(coulomb_friction=0.02, cogging=3e-3)
+    rows, _ = record(machine, Run(duration=20.0, sampling_rate=RATE, step_time=3.0))
+    stretch = Stretch(0, *np.ascontiguousarray(rows[:, 1:].T))
+    return WindowModel(PlantModel(), [stretch], np.arange(21.0), RATE, BLOCK)
+
+
+def memory_with(cogs):
+    memory = MachineMemory(MotorParameters(coulomb_friction=0.02))
+    memory.has_cogging(cogs)
+    return memory
+
+
+def followed(cogged, memory, windows):
+    """Return the last of some fits of the same data, each of which begins with the one before."""
+    last = None
+    for _ in range(windows):
+        window = cogged.with_cogs(memory.cogs)
+        last = Predecessor(*next_fit(window, last, memory, math.radians(0.02)), 0.0)
+    return last
+
+
+@pytest.mark.parametrize("wrong", [12, 23])
+def test_a_wrong_number_of_periods_gives_way_to_the_right_one(cogged, wrong):
+    memory = memory_with(wrong)
+    last = followed(cogged, memory, 4)
+    assert last.window.cogs == memory.cogs == 24
+    size = math.hypot(*(last.fit.unknowns.effects[place] for place in sorted(COGGING)))
+    assert size == pytest.approx(3e-3 / 0.8 * 12.0, rel=0.2)
+
+
+def test_a_number_of_periods_that_only_seems_to_explain_more_is_not_taken(
+    cogged, monkeypatch, fits
+):
+    memory = memory_with(24)
+    last = followed(cogged, memory, 3)
+    fits.clear()
+    monkeypatch.setattr(module, "cogging_evidence", lambda *_: CoggingEvidence(17, 50.0))
+    monkeypatch.setattr(MachineMemory, "looks_for_cogging", lambda *_: True)
+    fitted, fit = next_fit(last.window, last, memory, math.radians(0.02))
+    tried, refused = fits
+    assert fitted.cogs == memory.cogs == 24
+    assert fit.unknowns is tried.unknowns
+    assert fit.simulated == tried.simulated + refused.simulated
+    monkeypatch.undo()
+    assert not any(memory.looks_for_cogging(RESTLESS) for _ in range(SEARCH_AGAIN - 1))

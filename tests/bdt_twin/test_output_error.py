@@ -15,11 +15,12 @@ from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel, Sampling
 from bdt_plant.plant_simulator import PlantSimulator
 from bdt_plant.structure import StructureParameters
-from bdt_twin import next_fit, output_error
+from bdt_twin import gap_doubt, next_fit, output_error
 from bdt_twin.answer_check import AnswerCheck, Doubt
 from bdt_twin.cramer_rao import cramer_rao_bound
 from bdt_twin.estimator import TelemetryRejectedError
 from bdt_twin.fit_doubt import FIRST_DOUBT, FIRST_MOTIONS
+from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error import MOST_HELD, OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
@@ -260,8 +261,7 @@ def test_fits_begin_anew_only_where_windows_leave_the_gap_unknown(
     monkeypatch.setattr(next_fit, "fit_window", noted)
     if reason:
         monkeypatch.setattr(AnswerCheck, "doubt", lambda *_, **__: Doubt(reason))
-    rows = closed_loop(PROFILES[0], 12.0).rows
-    rows[:, 2] += np.random.default_rng(1).normal(0.0, 1e-6, len(rows))
+    rows = measured(closed_loop(PROFILES[0], 12.0).rows, 1e-6, 1e-9, 1)
     chosen = replace(CHOSEN, largest_uncertainty=largest)
     assert all(each.reason for each in estimates_of(rows, chosen, seconds(rows)))
     assert len(beginnings) > 2 * MOST_HELD
@@ -284,6 +284,8 @@ def test_a_fit_begun_anew_has_to_explain_its_window_as_the_ones_before_were(
         surprises.append(is_surprised)
         return Doubt("it has to be surer")
 
+    # What joins takes another fit of the same window.
+    monkeypatch.setattr(MachineMemory, "has_evidence", lambda *_: False)
     monkeypatch.setattr(next_fit, "fit_window", worse_when_anew)
     monkeypatch.setattr(AnswerCheck, "doubt", noted)
     rows = measured(closed_loop(PROFILES[0], 12.0).rows, 1e-6, 1e-7, 1)
@@ -466,7 +468,7 @@ def test_first_motions_tell_less_than_they_seem_to(closed_loop, monkeypatch, res
         }
 
     doubted, recalled = uncertainties(), uncertainties(recalls=True)
-    monkeypatch.setattr(output_error, "FIRST_DOUBT", 1.0)
+    monkeypatch.setattr(gap_doubt, "FIRST_DOUBT", 1.0)
     plain = uncertainties()
     assert min(plain) < FIRST_MOTIONS < max(plain)
     for time, uncertainty in doubted.items():

@@ -14,7 +14,14 @@ from bdt_plant.stribeck import StribeckParameters, friction_law, friction_size
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.resisted_model import resisted_plant_with, rotated, with_cogs
-from bdt_twin.resisted_plant import FAST, resisted_plant_step, slow_share
+from bdt_twin.resisted_plant import (
+    FAST,
+    STEEPEST,
+    resisted_plant_step,
+    slope_left,
+    slow_share,
+    steepness,
+)
 
 RATE, GAP, COGS = 5000.0, np.deg2rad(10.0), 24
 FRICTION, EXCESS, EFFICIENCY, COGGING = 10e-3, 6e-3, 0.4, 2e-3
@@ -80,6 +87,21 @@ def test_stribecks_curve_is_that_of_the_plant():
     for speed in np.linspace(-FAST * 2.0, FAST * 2.0, 301):
         expected = (friction_size(speed, law) - law.coulomb) / law.excess
         assert slow_share(abs(speed) / 1.7) == pytest.approx(expected, abs=2e-5)
+
+
+@pytest.mark.parametrize("stribeck_speed", [0.7, 2.0, 5.0])
+def test_the_slope_that_falling_friction_leaves_is_that_of_its_curve(stribeck_speed):
+    excess, back_emf, change = 0.05, 0.1, 1e-4
+    steep = steepness(excess, stribeck_speed, back_emf)
+    for speed in np.linspace(0.1, 3.0 * stribeck_speed, 20).tolist():
+        faster, slower = (
+            excess * np.exp(-(((speed + sign * change) / stribeck_speed) ** 2)) for sign in (1, -1)
+        )
+        left = 1.0 + (faster - slower) / (2.0 * change * back_emf)
+        ratio = speed / stribeck_speed
+        assert slope_left(ratio, slow_share(ratio), steep) == pytest.approx(left, abs=1e-4)
+    # A motor that sticks and slips has no slope.
+    assert slope_left(0.7, slow_share(0.7), 100.0 * steep) == pytest.approx(1.0 - STEEPEST)
 
 
 def test_a_wave_that_begins_later_is_the_same_wave():

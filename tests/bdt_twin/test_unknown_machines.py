@@ -28,11 +28,15 @@ FRICTION_VOLTAGE = FRICTION / 0.8 * 12.0
 """Voltage that the friction takes [V]: tau R / k_T."""
 EFFICIENCY = 0.4
 """Efficiency of the screw with a load."""
+FADE, ALONG = 5e-3, 20.0
+"""Shares of the friction that are lost in a second, and that are more for each meter."""
 MACHINES = {
     "the paper's": UnknownMachine(),
     "Coulomb friction": UnknownMachine(coulomb_friction=FRICTION),
     "Stribeck friction": UnknownMachine(coulomb_friction=FRICTION, friction_at_rest=1.6 * FRICTION),
     "load": UnknownMachine(coulomb_friction=FRICTION, efficiency=EFFICIENCY),
+    "friction that fades": UnknownMachine(coulomb_friction=FRICTION, friction_fade=FADE),
+    "friction along the screw": UnknownMachine(coulomb_friction=FRICTION, friction_along=ALONG),
     "amplifier offset": UnknownMachine(amplifier_offset=OFFSET),
     "late reading": UnknownMachine(delay=1e-3),
     "pushes": UnknownMachine(push_force=2.0),
@@ -53,10 +57,16 @@ class Result(NamedTuple):
     rates: list
 
 
+def sines(time):
+    """Return the wanted position [m], at whose reversals a motor hardly turns."""
+    return 3e-3 * (1.0 - math.cos(2.0 * math.pi * time / 6.4))
+
+
 @cache
-def result(name, rate=RATE):
+def result(name, rate=RATE, reference=None):
     """Return what the estimator makes of 30 s of a machine."""
-    rows, gaps = record(MACHINES[name], Run(duration=30.0, sampling_rate=rate))
+    run = Run(duration=30.0, sampling_rate=rate)
+    rows, gaps = record(MACHINES[name], run, reference=reference)
     chosen = OutputErrorSettings(update_period=UPDATE_PERIOD)
     estimator = OutputErrorEstimator(PlantModel(), chosen, rate)
     samples = round(UPDATE_PERIOD * rate)
@@ -78,6 +88,8 @@ LIMITS = {
     "Coulomb friction": (0.25, 0.5),
     "Stribeck friction": (0.25, 0.6),
     "load": (0.25, 0.5),
+    "friction that fades": (0.35, 0.9),
+    "friction along the screw": (0.25, 0.5),
     "amplifier offset": (0.09, 0.3),
     "late reading": (0.06, 0.2),
     "pushes": (0.15, 0.4),
@@ -114,6 +126,14 @@ def test_fast_telemetry_is_simulated_in_steps_that_the_walk_of_the_motor_hides(
 def test_no_answer_is_wrong_and_sure(name):
     found = result(name)
     assert (np.abs(found.errors) < 9.0 * found.uncertainties).all()
+
+
+def test_cogging_of_a_motor_that_hardly_turns_at_its_reversals_makes_no_gap_wrong_and_sure():
+    """It moves the motor at each reversal in the same way; a wrong number of cogs looked right."""
+    found = result("everyday", reference=sines)
+    assert found.errors.size >= 15
+    assert (np.abs(found.errors) < 3.0 * found.uncertainties).all()
+    assert found.estimator.last_fit.window.cogs == EVERYDAY.cogs
 
 
 def test_intervals_hold_over_all_machines_and_are_not_too_wide():
@@ -162,6 +182,17 @@ def test_friction_at_rest_is_found_with_its_speed():
     told = told_of("Stribeck friction")
     assert told["excess_voltage"] == pytest.approx(0.6 * FRICTION_VOLTAGE, rel=0.05)
     assert told["stribeck_speed"] == pytest.approx(0.0, abs=0.1)
+
+
+def test_friction_that_changes_is_found_with_its_change():
+    fading = told_of("friction that fades")
+    # Less is left of it at the end of these 30 s, and the share of that which is lost is larger.
+    left = 1.0 - 30.0 * FADE
+    assert fading["friction_voltage"] == pytest.approx(left * FRICTION_VOLTAGE, rel=0.02)
+    assert fading["friction_growth"] == pytest.approx(-FADE / left, rel=0.1)
+    along = told_of("friction along the screw")
+    assert along["friction_voltage"] == pytest.approx(FRICTION_VOLTAGE, rel=0.02)
+    assert along["friction_slope"] == pytest.approx(ALONG, rel=0.1)
 
 
 def test_a_late_reading_is_found_to_be_late():

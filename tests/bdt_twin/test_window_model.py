@@ -33,6 +33,8 @@ RESISTED = EFFECTS_ALONE | {
     "load_voltage": 5e-3,
     "cogging_sine": 8e-4,
     "cogging_cosine": -1e-3,
+    "friction_growth": -8e-3,
+    "friction_slope": 15.0,
 }
 
 

@@ -7,7 +7,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from machine_with_twin import SAMPLING_RATE, Course
+from machine_with_twin import SAMPLING_RATE, Course, sine, triangle
 from unknown_machine import EVERYDAY, PER_RUN, FloatArray, UnknownMachine
 
 from bdt_study.evaluation.machine_effects import Draws, MachineEffects
@@ -130,6 +130,8 @@ class Kind(NamedTuple):
     machine: Callable[[np.random.Generator], UnknownMachine]
     gaps: Callable[[FloatArray, np.random.Generator], FloatArray] = worn
     decision: str = "simulate"
+    wave: Callable[[float], float] | None = None
+    first: float = 0.0
 
 
 EFFECTS = {case.name: case.effects for case in MACHINES}
@@ -155,6 +157,12 @@ KINDS = {
     "cogging": Kind(cogging, decision="equation_9"),
     "everyday, gap jumps": Kind(everyday, jumped),
     "everyday, gap rises and falls": Kind(everyday, breathing),
+    "everyday, sines": Kind(everyday, wave=sine),
+    "everyday, triangles": Kind(everyday, wave=triangle),
+    "everyday, sines from 20 mm": Kind(everyday, wave=sine, first=20e-3),
+    "unknown, sines": Kind(unknown, wave=sine),
+    "unknown, triangles": Kind(unknown, wave=triangle),
+    "unknown, sines from 20 mm": Kind(unknown, wave=sine, first=20e-3),
     "slight friction": slight(),
     "friction fades by 10 %": slight(friction_fade=0.1 / DRAWN_TIME),
     "friction grows by 10 % in 10 mm": slight(friction_along=10.0),
@@ -166,14 +174,21 @@ KINDS = {
 
 
 def drawn(name: str, seed: int) -> Trial:
-    """Return the machine of a kind that a seed draws, in steps of 4 to 10 mm and 5 to 12 s."""
+    """Return the machine of a kind that a seed draws, in steps of 4 to 10 mm and 5 to 12 s.
+
+    One that follows a wave goes there and back in 4 to 12 s.
+    """
     kind = KINDS[name]
     generator = np.random.default_rng((seed, *name.encode()))
     times = np.arange(round(DRAWN_TIME * SAMPLING_RATE)) / SAMPLING_RATE
     course = Course(
         kind.gaps(times, generator),
         height=float(generator.uniform(4e-3, 10e-3)),
-        step_time=float(generator.uniform(5.0, 12.0)),
+        step_time=float(
+            generator.uniform(5.0, 12.0) if kind.wave is None else generator.uniform(2.0, 6.0)
+        ),
+        wave=kind.wave,
+        first=kind.first,
         seed=seed,
         decision=kind.decision,
     )

@@ -1,6 +1,7 @@
 """The controller and the digital twin around a machine that shares no equation with them."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +41,16 @@ BATCH = 50
 PITCH = PlantModel().lead_screw.pitch
 
 
+def sine(turns: float) -> float:
+    """Return a wave from 0 to 1 and back in a turn that begins at rest."""
+    return 0.5 - 0.5 * math.cos(2.0 * math.pi * turns)
+
+
+def triangle(turns: float) -> float:
+    """Return a wave from 0 to 1 and back in a turn, evenly."""
+    return 1.0 - abs(1.0 - 2.0 * (turns % 1.0))
+
+
 @dataclass(frozen=True, eq=False)
 class Course:
     """What a machine has to do, and how its gap grows meanwhile.
@@ -51,7 +62,11 @@ class Course:
     height : float
         The reference is this high [m] and zero in turn.
     step_time : float
-        Time for which it stays [s].
+        Time for which it stays, or in which it goes from one to the other [s].
+    wave : callable or None
+        How it goes, as a function of full periods from 0 to 1; None for steps.
+    first : float
+        What the reference is more than that [m].
     seed : int
         Of the sensor's noise.
     decision : str
@@ -61,6 +76,8 @@ class Course:
     gaps: FloatArray
     height: float = 5e-3
     step_time: float = 10.0
+    wave: Callable[[float], float] | None = None
+    first: float = 0.0
     seed: int = 0
     decision: str = "equation_9"
 
@@ -71,7 +88,11 @@ class Course:
 
     def reference(self, time: float) -> float:
         """Return the wanted position [m] at a time [s]."""
-        return self.height if int(time / self.step_time + 1e-9) % 2 == 0 else 0.0
+        if self.wave is None:
+            share = float(int(time / self.step_time + 1e-9) % 2 == 0)
+        else:
+            share = self.wave(0.5 * time / self.step_time)
+        return self.first + self.height * share
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,6 +210,8 @@ def is_pushed(machine: UnknownMachine, course: Course, step: StepSummary) -> boo
 
 
 def _steps(course: Course, running: RunningMachine) -> list[StepSummary]:
+    if course.wave is not None:
+        return []
     rows = running.telemetry()
     rows[:, 2] = running.true_positions()
     edges = np.arange(0.0, course.periods / CONTROL_RATE, course.step_time)

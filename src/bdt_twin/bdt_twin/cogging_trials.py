@@ -9,11 +9,11 @@ import math
 from typing import NamedTuple
 
 from bdt_plant.motor import MotorParameters
-from bdt_twin.cogging_search import FEWEST_COGS, MOST_COGS
+from bdt_twin.cogging_waves import NUMBERS
 from bdt_twin.fit_result import Fit
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, first_knowledge
-from bdt_twin.machine_memory import COGGING, MachineMemory
+from bdt_twin.machine_knowledge import COGGING, EFFECTS, MachineKnowledge, first_knowledge
+from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.noise_levels import is_restless, quiet
 from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.unknowns import Unknowns
@@ -45,8 +45,6 @@ SUSPECTED = frozenset(
     )
 )
 """Effects that any machine may have; what else a fit without cogging has found may be cogging."""
-NUMBERS = tuple(range(FEWEST_COGS, MOST_COGS + 1))
-"""Numbers of periods in a turn."""
 ROUNDS = tuple(
     (anew, tuple(number for number in NUMBERS if number % 2 == odd))
     for odd in (0, 0, 1)
@@ -182,7 +180,7 @@ class CoggingTrials:
         if anew:
             known = first_knowledge(self._motor).without(set(range(len(EFFECTS))) - SUSPECTED)
         else:
-            known = machine.before(newest.stretches[0].first / newest.sampling_rate)
+            known = machine.before(*newest.span)
         if anew:
             beginning = multi_start(newest, growth_change, known).unknowns
         elif newest is window:

@@ -34,15 +34,18 @@ def drive_bases(
         Zero for effects that do not act through the motor.
     """
     of = dict(zip(DRIVES, drives, strict=True))
+    effect = dict(zip(EFFECTS, effects.tolist(), strict=True))
     sine, cosine = rotated(of["cogging_sine"], of["cogging_cosine"], -cog_turns)
     acts = {
         "friction_voltage": -of["friction"],
         "voltage_offset": of["offset"],
         "excess_voltage": -of["excess"],
-        "stribeck_speed": -effects[EFFECTS.index("excess_voltage")] * of["stribeck_speed"],
+        "stribeck_speed": -effect["excess_voltage"] * of["stribeck_speed"],
         "load_voltage": -of["load"],
         "cogging_sine": -sine,
         "cogging_cosine": -cosine,
+        "friction_growth": -effect["friction_voltage"] * of["growth"],
+        "friction_slope": -effect["friction_voltage"] * of["slope"],
     }
     bases = np.zeros((len(EFFECTS), travel.size))
     for name, turned in acts.items():

@@ -77,6 +77,19 @@ def huber_weights(innovations: FloatArray) -> FloatArray:
     return weights
 
 
+def doubted_weights(innovations: FloatArray, levels: NoiseLevels, rate: float) -> FloatArray:
+    """Return the weights of squares whose information is as sure as a fit is.
+
+    Parameters
+    ----------
+    innovations, levels, rate
+        As :func:`covariance_inflation` takes them.
+    """
+    inflation = covariance_inflation(innovations, levels, rate)
+    weights: FloatArray = huber_weights(innovations) / inflation
+    return weights
+
+
 def covariance_inflation(innovations: FloatArray, levels: NoiseLevels, rate: float) -> float:
     """Return by how many times the covariance of a fit exceeds that of white innovations.
 

@@ -75,6 +75,24 @@ def weighted_products(rows: FloatArray, weights: FloatArray) -> FloatArray:
     return symmetric
 
 
+def products_of_rows(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Return the products of each row of a matrix with each of another one.
+
+    Parameters
+    ----------
+    left, right : ndarray, shape (m, n) and (k, n)
+        The rows.
+
+    Returns
+    -------
+    ndarray, shape (m, k)
+    """
+    sums = np.zeros((len(left), len(right)))
+    columns = np.ascontiguousarray(left.T), np.ascontiguousarray(right.T)
+    compiled_products_of_rows()(*columns, sums)
+    return sums
+
+
 def solution(matrix: FloatArray, right: FloatArray) -> FloatArray:
     """Return the solution of linear equations with a symmetric, positive definite matrix.
 
@@ -109,12 +127,24 @@ def compiled_weighted_products() -> Any:
 
 
 @cache
+def compiled_products_of_rows() -> Any:
+    """Return the loop of :func:`products_of_rows`, compiled."""
+    given = "Array(float64, 2, 'C', readonly=True)"
+    return compile_loop(_add_products_of_rows, f"void({given}, {given}, {WRITTEN_MATRIX})")
+
+
+@cache
 def compiled_elimination() -> Any:
     """Return the loop of :func:`solution`, compiled."""
     return compile_loop(_eliminate, f"void({WRITTEN_MATRIX}, {WRITTEN_MATRIX})")
 
 
-COMPILED = (compiled_product, compiled_weighted_products, compiled_elimination)
+COMPILED = (
+    compiled_product,
+    compiled_weighted_products,
+    compiled_products_of_rows,
+    compiled_elimination,
+)
 """What to call before the first data wait."""
 
 
@@ -134,6 +164,16 @@ def _add_weighted_products(columns: FloatArray, weights: FloatArray, lower: Floa
             if weighted != 0.0:
                 for other in range(row + 1):
                     lower[row, other] += weighted * columns[number, other]
+
+
+def _add_products_of_rows(left: FloatArray, right: FloatArray, sums: FloatArray) -> None:
+    for number in range(len(left)):
+        for row in range(len(sums)):
+            factor = left[number, row]
+            # Many slopes are zero.
+            if factor != 0.0:
+                for other in range(sums.shape[1]):
+                    sums[row, other] += factor * right[number, other]
 
 
 def _eliminate(matrix: FloatArray, found: FloatArray) -> None:

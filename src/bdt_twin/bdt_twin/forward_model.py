@@ -15,6 +15,7 @@ from bdt_plant.friction import frictional_motor_step
 from bdt_plant.motor import MotorState, motor_step
 from bdt_plant.plant import DiscretePlant, PlantState
 from bdt_plant.structure import StructureState
+from bdt_twin.friction_change import UNCHANGED, FrictionChange
 from bdt_twin.resisted_plant import ResistedPlant
 from bdt_twin.window_loop import DRIVES, compiled_window
 
@@ -25,6 +26,13 @@ SMALLEST_TRAVEL = float(np.deg2rad(1.0))
 
 MOST_REVERSALS = 1000
 """Reversals noted in a window; of more, the newest are."""
+
+
+SLOW_VOLTAGE = 0.5
+"""Voltage for which the motor turns slowly [V]: friction that depends on speed is felt there."""
+
+STANDING_SHARE = 0.3
+"""Share of the friction's voltage with which a motor that stands still may yet turn."""
 
 
 class StretchResponse(NamedTuple):
@@ -54,8 +62,9 @@ class StretchResponse(NamedTuple):
         Mean of time integrals over the motion of the motor up to the last contact: by how much
         a voltage [s] against the motion and one forward, a relative change of the gain beyond the
         motor's own angle [rad], an excess of friction at rest as a voltage [s], a relative change
-        of the Stribeck speed per that excess [s], a load as a voltage per force [N s], and the
-        parts of cogging [s] turn the motor, per what a motor turns in a second for a volt.
+        of the Stribeck speed per that excess [s], a load as a voltage per force [N s], the parts
+        of cogging [s], and friction that changes with time [s^2] and along the screw [m s] turn
+        the motor, per what a motor turns in a second for a volt.
     fast, slow : ndarray, shape (blocks,)
         Time in each block for which the motor turns fast, and slowly or nearly so [s].
     contact : ndarray, shape (blocks,)
@@ -95,6 +104,19 @@ class SlowMotion(NamedTuple):
     back_emf: float
 
 
+def slow_motion(friction: float, back_emf: float) -> SlowMotion:
+    """Return when friction that depends on speed is felt.
+
+    Parameters
+    ----------
+    friction : float
+        Voltage of the friction [V].
+    back_emf : float
+        Back-EMF constant k_B [V s/rad].
+    """
+    return SlowMotion(SLOW_VOLTAGE / back_emf, STANDING_SHARE * friction, back_emf)
+
+
 def simulate_stretch(
     step: ResistedPlant,
     state: PlantState,
@@ -103,6 +125,7 @@ def simulate_stretch(
     block: int,
     sample_time: float,
     motion: SlowMotion,
+    change: FrictionChange = UNCHANGED,
 ) -> StretchResponse:
     """Simulate the plant over one stretch of data (eqs 1, 2, 3 and 6).
 
@@ -122,6 +145,8 @@ def simulate_stretch(
         Sample time [s].
     motion : SlowMotion
         When the motor turns slowly.
+    change : FrictionChange, optional
+        How friction changes in the stretch.
     """
     count = voltage.size // block
     position, relative_angle, motor_angle = np.empty((3, voltage.size))
@@ -130,6 +155,7 @@ def simulate_stretch(
     found, travel = compiled_window()(
         step,
         state,
+        change,
         voltage,
         gaps,
         block,
@@ -202,3 +228,22 @@ def initial_state(
 def _driving(voltage: float, friction: float) -> float:
     """Return what of a voltage [V] is left beside the friction's."""
     return math.copysign(max(abs(voltage) - friction, 0.0), voltage)
+
+
+def travel_in(position: FloatArray, samples: float) -> FloatArray:
+    """Return how far a position moves at the velocity of each sample in the time of some samples.
+
+    Parameters
+    ----------
+    position : ndarray, shape (n,)
+        Position [m].
+    samples : float
+        Time in sample times.
+    """
+    # What numpy.gradient gives, which takes more than twice as long.
+    travel = np.empty(position.size)
+    np.subtract(position[2:], position[:-2], out=travel[1:-1])
+    travel[1:-1] *= 0.5 * samples
+    travel[0] = samples * (position[1] - position[0])
+    travel[-1] = samples * (position[-1] - position[-2])
+    return travel

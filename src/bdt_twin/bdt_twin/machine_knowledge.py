@@ -27,36 +27,46 @@ EFFECTS = (
     "load_voltage",
     "cogging_sine",
     "cogging_cosine",
+    "friction_growth",
+    "friction_slope",
 )
 """What a machine has that the paper's mechanism has not: Coulomb friction as the voltage that it
 takes [V], the voltage that the amplifier adds [V], the age of a reading [s], the drift of the
 readings [m/s], how much more voltage friction takes at rest [V], the natural logarithm of the
-Stribeck speed over ``USUAL_STRIBECK_SPEED``, and the voltage that the motor takes for the force
-with which the structure resists the screw [V/N], and the parts of the motor's cogging as voltages
-against forward motion, waves of its angle [V]."""
+Stribeck speed over ``USUAL_STRIBECK_SPEED``, the voltage that the motor takes for the force with
+which the structure resists the screw [V/N], the parts of the motor's cogging as voltages against
+forward motion, waves of its angle [V], and by which shares of it Coulomb friction changes with time
+[1/s] and along the screw [1/m]; it is that at the newest sample of a window, at position zero."""
+
+COGGING = frozenset(map(EFFECTS.index, ("cogging_sine", "cogging_cosine")))
+"""Places in ``EFFECTS`` of the parts of cogging."""
 
 USUAL_STRIBECK_SPEED = 2.0
 """Stribeck speed of a motor that nobody has looked at [rad/s]."""
 
 EFFECT_LIMITS = np.array(
     [
-        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0],
-        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0],
+        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0, -0.1, -200.0],
+        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0, 0.1, 200.0],
     ]
 )
 """Smallest and largest values of ``EFFECTS``."""
 
 FACTOR_SPREAD = (0.3, 0.2, 0.7)
 """Standard deviations of the logarithms of ``FACTORS`` of a machine that nobody has looked at."""
-EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03)
+EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03, 5e-3, 20.0)
 """Standard deviations of its ``EFFECTS``."""
 
 FACTOR_CHANGE_RATE = (5e-4, 5e-4, 5e-3)
 """Random walk of the logarithms of ``FACTORS`` [1/s^0.5]."""
-EFFECT_CHANGE_RATE = (5e-4, 5e-4, 5e-6, 1e-7, 5e-4, 5e-3, 5e-5, 1e-3, 1e-3)
+EFFECT_CHANGE_RATE = (5e-4, 5e-4, 5e-6, 1e-7, 5e-4, 5e-3, 5e-5, 1e-3, 1e-3, 2e-4, 0.2)
 """Random walk of ``EFFECTS``, in their units per s^0.5."""
 ABSENT = 1e-6
 """Share of its spread that an effect may have as long as there is no evidence of it."""
+CHANGING = ("friction_voltage", "friction_growth")
+"""Friction, and what it changes by in a second."""
+LONGEST_TREND = 60.0
+"""Time [s] beyond which friction that has changed is not thought to go on with that."""
 DOUBT = 2.0
 """Factor by which what a window has told is less sure than it has said."""
 
@@ -66,9 +76,9 @@ class MachineKnowledge(NamedTuple):
 
     Attributes
     ----------
-    expected : ndarray, shape (12,)
+    expected : ndarray, shape (constants,)
         Expected values.
-    covariance : ndarray, shape (12, 12)
+    covariance : ndarray, shape (constants, constants)
         Their covariance.
     """
 
@@ -100,7 +110,7 @@ class MachineKnowledge(NamedTuple):
         return self._replace(covariance=covariance)
 
     def precision(self) -> FloatArray:
-        """Return the inverse covariance, shape (12, 12)."""
+        """Return the inverse covariance, shape (constants, constants)."""
         scale = 1.0 / np.sqrt(np.diag(self.covariance))
         scaled = self.covariance * np.outer(scale, scale)
         return solution(scaled, np.eye(scale.size)) * np.outer(scale, scale)
@@ -109,6 +119,37 @@ class MachineKnowledge(NamedTuple):
         """Return what is left of the knowledge some time [s] later."""
         change = np.square((*FACTOR_CHANGE_RATE, *EFFECT_CHANGE_RATE)) * max(time, 0.0)
         return self._replace(covariance=DOUBT * DOUBT * self.covariance + np.diag(change))
+
+    def projected(self, time: float) -> "MachineKnowledge":
+        """Return the knowledge of a machine whose friction went on changing for some time [s]."""
+        friction, growth = (len(FACTORS) + EFFECTS.index(name) for name in CHANGING)
+        expected, covariance = self.expected.copy(), self.covariance.copy()
+        grown = grown_friction(float(expected[growth]), time)
+        per_growth = _trend(time) * float(expected[friction])
+        expected[friction] *= grown
+        covariance[friction] = grown * covariance[friction] + per_growth * covariance[growth]
+        covariance[:, friction] = (
+            grown * covariance[:, friction] + per_growth * covariance[:, growth]
+        )
+        return MachineKnowledge(expected, covariance)
+
+
+def grown_friction(growth: float, time: float) -> float:
+    """Return what friction has become after some time, over what it was.
+
+    Parameters
+    ----------
+    growth : float
+        Share of it that comes in a second [1/s].
+    time : float
+        Time [s]; what is beyond ``LONGEST_TREND`` does not count.
+    """
+    return max(1.0 + growth * _trend(time), 0.0)
+
+
+def _trend(time: float) -> float:
+    """Return for how much of some time [s] friction goes on changing."""
+    return min(max(time, 0.0), LONGEST_TREND)
 
 
 def first_knowledge(motor: MotorParameters) -> MachineKnowledge:

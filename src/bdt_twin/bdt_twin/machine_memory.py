@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bdt_plant.motor import MotorParameters
 from bdt_twin.cogging_search import CoggingEvidence
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, first_knowledge
+from bdt_twin.machine_knowledge import COGGING, EFFECTS, MachineKnowledge, first_knowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import is_restless
 
@@ -22,15 +22,18 @@ EVIDENCE = 4.0
 WITH_FRICTION = ("voltage_offset", "excess_voltage", "stribeck_speed", "load_voltage")
 """Effects of every motor with friction: friction differs by direction and by speed, and the screw
 has some, too. To leave them out until there is evidence would make the first windows too sure."""
+OF_FRICTION = frozenset({EFFECTS.index("friction_growth"), EFFECTS.index("friction_slope")})
+"""Places in ``EFFECTS`` of changes of the friction, which only a motor with friction has: cogging
+looks like such a change, too."""
 SMALLEST_FRICTION, FRICTION_COVERAGE = 0.02, 5.0
 """Voltage [V] and standard uncertainties from which on a motor has friction for certain: cogging
 looks like a little friction, too."""
-COGGING = frozenset({EFFECTS.index("cogging_sine"), EFFECTS.index("cogging_cosine")})
-"""Places in ``EFFECTS`` of the parts of cogging."""
 COGGING_EVIDENCE = 8.0
 """Gain of log-likelihood that is evidence of cogging: many numbers of periods are tried."""
-SEARCH_EVERY = 4
-"""Windows from one search for cogging to the next: it takes half as long as a fit."""
+OTHER_EVIDENCE = 4.0
+"""Gain of log-likelihood by another number of periods than the known one for which it is tried."""
+SEARCH_EVERY, SEARCH_AGAIN = 2, 6
+"""Windows from one search for cogging to the next, and from one that has found nothing better."""
 PLAUSIBLE = 4.0
 """Standard deviations of what is known of any machine within which one is."""
 SMALLEST_OFFSET = 1e-3
@@ -68,11 +71,12 @@ class MachineRecollection(NamedTuple):
 
 
 class _Told(NamedTuple):
-    """What a window has told: when it ended [s], what, and which effects the machine had then."""
+    """What a window has told: when it ended [s], what, and what the machine was thought to have."""
 
     time: float
     machine: MachineKnowledge
     present: frozenset[int]
+    cogs: int
 
 
 class MachineMemory:
@@ -143,22 +147,32 @@ class MachineMemory:
         self.cogs, self._has_offset = kept.cogs, kept.has_offset
         self._recalled = kept.machine, age
 
-    def before(self, time: float) -> MachineKnowledge:
-        """Return what is known from windows that ended before a time [s]."""
+    def before(self, time: float, newest: float) -> MachineKnowledge:
+        """Return what is known of a window from those before it.
+
+        Parameters
+        ----------
+        time, newest : float
+            Times of its first and of its newest sample [s]; the windows before ended by the first.
+        """
         while self._told and self._told[0].time < time:
             self._known = self._told.popleft()
         if self._known is None and self._recalled is not None:
             machine, age = self._recalled
-            self._known = _Told(time - age, machine, frozenset(self._present))
+            self._known = _Told(time - age, machine, self.present, self.cogs)
         known = first_knowledge(self._motor)
         if self._known is not None:
             aged = self._known.machine.aged(time - self._known.time)
-            known = aged.bounded(known).forgetting(self._present - self._known.present)
+            aged = aged.projected(newest - self._known.time)
+            new = self._present - self._known.present
+            if self._known.cogs != self.cogs:
+                new |= COGGING
+            known = aged.bounded(known).forgetting(new)
         return known.without(set(range(len(EFFECTS))) - self._present)
 
     def learn(self, time: float, machine: MachineKnowledge) -> None:
         """Remember what a window has told that ended at a time [s]."""
-        self._told.append(_Told(time, machine, frozenset(self._present)))
+        self._told.append(_Told(time, machine, self.present, self.cogs))
 
     def has_evidence(self, evidence: FloatArray, machine: MachineKnowledge) -> bool:
         """Take the absent effect with most evidence for present; tell whether there is one.
@@ -170,12 +184,13 @@ class MachineMemory:
         evidence : ndarray, shape (effects,)
             Gain of log-likelihood by each of ``EFFECTS``.
         """
+        has_friction = self._has_friction(machine)
         others = {EFFECTS.index(name) for name in WITH_FRICTION} - self._present
-        if others and self._has_friction(machine):
+        if others and has_friction:
             self._present |= others
             return True
         gains = evidence.copy()
-        gains[list(self._present)] = 0.0
+        gains[list(self._present if has_friction else self._present | OF_FRICTION)] = 0.0
         if float(gains.max()) <= EVIDENCE:
             return False
         self._present.add(int(gains.argmax()))
@@ -190,7 +205,7 @@ class MachineMemory:
 
     def looks_for_cogging(self, levels: NoiseLevels) -> bool:
         """Tell whether it is time to look for cogging in a window with these levels of noise."""
-        if self.cogs or not is_restless(levels):
+        if not is_restless(levels):
             return False
         self._unsearched += 1
         if self._unsearched < SEARCH_EVERY:
@@ -198,13 +213,18 @@ class MachineMemory:
         self._unsearched = 0
         return True
 
-    def has_cogging(self, evidence: CoggingEvidence) -> bool:
-        """Take cogging for present if there is evidence of it, and tell whether there is."""
-        if evidence.gain <= COGGING_EVIDENCE:
-            return False
-        self.cogs = evidence.cogs
+    def suspects_cogging(self, evidence: CoggingEvidence) -> bool:
+        """Tell whether evidence suffices to try cogging, or another number of periods."""
+        return evidence.gain > (OTHER_EVIDENCE if self.cogs else COGGING_EVIDENCE)
+
+    def has_cogging(self, cogs: int) -> None:
+        """Take cogging for present, so many periods in a turn."""
+        self.cogs = cogs
         self._present |= COGGING
-        return True
+
+    def keeps_cogging(self) -> None:
+        """Take note that another number of periods explains no more."""
+        self._unsearched = SEARCH_EVERY - SEARCH_AGAIN
 
     def implausible(self, machine: MachineKnowledge) -> str:
         """Return the constant that no machine has, as a window tells it; empty if there is none."""

@@ -37,7 +37,8 @@ class MechanismEnsemble:
         self._model = model
         self._period = 1.0 / (HOLD * control_rate)
         generator = np.random.default_rng((seed, 20_261_122))
-        self._draws = generator.standard_normal((members, len(FACTORS) + len(EFFECTS) + 2))
+        # Each constant has its numbers, whatever constants there are beside it.
+        self._draws = generator.standard_normal((2 + len(FACTORS) + len(EFFECTS), members)).T
         self._draws[0] = 0.0
         self._places = np.linspace(-1.0, 1.0, members)
 
@@ -66,8 +67,8 @@ class MechanismEnsemble:
         members = []
         for number, draw in enumerate(self._draws):
             at = latest if number % 2 == 0 else soonest
-            gap = _gap(estimate, at, float(draw[-2]), float(draw[-1]))
-            model, disturbance, delay = self._machine(estimate, machine, draw[:-2])
+            gap = _gap(estimate, at, float(draw[0]), float(draw[1]))
+            model, disturbance, delay = self._machine(estimate, machine, draw[2:])
             members.append(
                 Member(
                     discretize_plant(model, self._period, quick_exponential),

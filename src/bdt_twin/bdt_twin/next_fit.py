@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from bdt_twin.cogging_search import cogging_evidence
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
+from bdt_twin.machine_knowledge import COGGING
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.noise_levels import quiet
 from bdt_twin.window_model import WindowModel
@@ -17,6 +18,9 @@ MOST_NEWCOMERS = 2
 MUCH_WORK = 600_000
 """Simulated samples after which an effect joins in the next window only, if one fit of the window
 does not take more."""
+
+BETTER = 4.0
+"""Gain of log-likelihood by which another number of periods has to be better than the known one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,28 +78,51 @@ def next_fit(
     fit : Fit
         Its fit.
     """
-    begins = window.stretches[0].first / (window.block_rate * window.block)
     predicted, otherwise, error, levels = None, None, math.inf, None
     if last is not None:
         predicted = predicted_unknowns(window, last)
         otherwise = without_growth(window, last, predicted)
         error, levels = last.fit.prediction_error, last.fit.levels
-    known = machine.before(begins)
+    known = machine.before(*window.span)
     fit = fit_window(window, growth_change, known, predicted, error, levels, otherwise)
     for _ in range(MOST_NEWCOMERS):
         if fit.simulated > max(MUCH_WORK, FINE * window.samples):
             break
-        levels = fit.levels
         if machine.has_evidence(fit.evidence, fit.machine):
-            pass
-        elif machine.looks_for_cogging(fit.levels) and machine.has_cogging(
-            cogging_evidence(window, fit)
-        ):
-            window, levels = window.with_cogs(machine.cogs), quiet(fit.levels)
+            # What explains more is found from here; the error may only become smaller.
+            known = machine.before(*window.span)
+            found = fit_window(window, growth_change, known, fit.unknowns, math.inf, fit.levels)
+            fit = replace(found, simulated=fit.simulated + found.simulated)
+        elif machine.looks_for_cogging(fit.levels):
+            searched = window
+            window, fit = _with_cogging(window, fit, machine, growth_change)
+            if window is searched:
+                break
         else:
             break
-        # What explains more is found from here; the error may only become smaller.
-        known = machine.before(begins)
-        found = fit_window(window, growth_change, known, fit.unknowns, math.inf, levels)
-        fit = replace(found, simulated=fit.simulated + found.simulated)
     return window, fit
+
+
+def _with_cogging(
+    window: WindowModel, fit: Fit, machine: MachineMemory, growth_change: float
+) -> tuple[WindowModel, Fit]:
+    """Return a window with the cogging for which there is evidence, and its fit.
+
+    A number of periods that is known already stays, unless the fit with another one is better: the
+    evidence tells what small waves would explain, and these are not small.
+    """
+    evidence = cogging_evidence(window, fit)
+    if not machine.suspects_cogging(evidence):
+        return window, fit
+    other, effects = window.with_cogs(evidence.cogs), fit.unknowns.effects.copy()
+    effects[sorted(COGGING)] = 0.0
+    begun = replace(fit.unknowns, effects=effects)
+    known = machine.before(*window.span).forgetting(COGGING)
+    found = fit_window(other, growth_change, known, begun, math.inf, quiet(fit.levels))
+    simulated = fit.simulated + found.simulated
+    gain = fit.innovations.size * math.log(fit.prediction_error / found.prediction_error)
+    if window.cogs and gain < BETTER:
+        machine.keeps_cogging()
+        return window, replace(fit, simulated=simulated)
+    machine.has_cogging(evidence.cogs)
+    return other, replace(found, simulated=simulated)

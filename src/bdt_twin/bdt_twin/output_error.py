@@ -15,11 +15,12 @@ from bdt_plant.plant import PlantModel
 from bdt_plant.quick_exponential import compiled_powers
 from bdt_twin import fixed_order, robust_sums
 from bdt_twin.answer_check import AnswerCheck
-from bdt_twin.cogging_search import compiled_waves
 from bdt_twin.cogging_trials import CoggingTrials
+from bdt_twin.cogging_waves import compiled_waves
 from bdt_twin.estimator import Estimate
-from bdt_twin.fit_doubt import FIRST_DOUBT, FIRST_MOTIONS
+from bdt_twin.fit_doubt import FIRST_MOTIONS
 from bdt_twin.fit_result import Fit
+from bdt_twin.gap_doubt import doubted
 from bdt_twin.gap_knowledge import GapKnowledge
 from bdt_twin.gap_of_fit import answered_reversals, gap_at, growth_at, growth_change_of
 from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
@@ -240,7 +241,8 @@ class OutputErrorEstimator:
         stamp = time - (newest / self._rate - at)
         gap, uncertainty = gap_at(window, fit, at)
         is_unsure = uncertainty > self._settings.largest_uncertainty
-        uncertainty *= self._first_doubt(at)
+        is_first = self._recalled is None and at < self._moves_from + FIRST_MOTIONS
+        uncertainty = doubted(window, fit, at, uncertainty, len(reversals), is_first=is_first)
         growth, growth_uncertainty = growth_at(window, fit, at)
         before, self._error = self._error, fit.prediction_error
         # A fit that had to begin anew may have found a bad one; the next window tells.
@@ -286,14 +288,6 @@ class OutputErrorEstimator:
         self._growth_change = max(self._settings.growth_change, growth_change_of(window, fit))
         self._machine.learn(newest / self._rate, fit.machine)
         return estimate
-
-    def _first_doubt(self, at: float) -> float:
-        """Return by how many times a gap is less sure that was told by a machine's first motions.
-
-        A machine that was known before, from a run before this one, has no first motions.
-        """
-        is_new = self._recalled is None and at < self._moves_from + FIRST_MOTIONS
-        return FIRST_DOUBT if is_new else 1.0
 
     def _hold_estimate(self, time: float, reason: str) -> Estimate:
         """Return what is known of the gap, as unsure as it is for a window that ends at `time`."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from bdt_plant.elementary_functions import logarithm
 from bdt_twin.block_residual import BlockResidual
 from bdt_twin.cramer_rao import fisher_information
-from bdt_twin.fit_doubt import covariance_inflation, huber_weights
+from bdt_twin.fit_doubt import doubted_weights, huber_weights
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import dot, mean, product, total, weighted_products
 from bdt_twin.forward_model import StretchResponse
@@ -238,9 +238,7 @@ class WindowFit:
             whitening = point.whitening(levels, PUSHED)
         innovations = whitening.innovations
         jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))
-        weights = huber_weights(innovations) / covariance_inflation(
-            innovations, levels, self._window.block_rate
-        )
+        weights = doubted_weights(innovations, levels, self._window.block_rate)
         told, prior = fisher_information(jacobian, weights), self._prior_at(point.unknowns)
         gradient = self._gradient(point, jacobian, weights * innovations)
         return Fit(

@@ -22,6 +22,8 @@ FAST = 4.0
 """Multiples of the Stribeck speed from which on friction is that of a fast motor."""
 COGGED_SPEED = 20.0
 """Speed from which on cogging is not felt [rad/s]: it changes its sign many times in a second."""
+STEEPEST = 0.8
+"""Largest share of the back-EMF's slope that falling friction takes away, as far as slopes go."""
 SHARES_PER_SPEED = 128
 """Values of the share of friction at rest that are known for each Stribeck speed."""
 SHARES = np.array(
@@ -159,3 +161,36 @@ def slow_share(ratio: float) -> float:
         return 0.0
     below = float(SHARES[number])
     return below + (place - number) * (float(SHARES[number + 1]) - below)
+
+
+def steepness(excess: float, stribeck_speed: float, back_emf: float) -> float:
+    """Return how steeply friction falls with speed, for :func:`slope_left`.
+
+    Parameters
+    ----------
+    excess : float
+        Voltage that friction takes at rest beside what it takes at speed [V].
+    stribeck_speed : float
+        Speed at which 1/e of it is left [rad/s].
+    back_emf : float
+        The motor's back-EMF constant [V s/rad].
+    """
+    return 2.0 * excess / (stribeck_speed * back_emf)
+
+
+def slope_left(ratio: float, share: float, steep: float) -> float:
+    """Return which share of the back-EMF's slope is left where friction falls with speed.
+
+    A motor whose friction is less when it is faster turns faster by a voltage than one whose
+    friction is constant; the voltage is felt as if it were larger by this.
+
+    Parameters
+    ----------
+    ratio : float
+        The speed over the Stribeck speed, not negative.
+    share : float
+        What :func:`slow_share` returns for it.
+    steep : float
+        What :func:`steepness` returns.
+    """
+    return 1.0 - min(steep * ratio * share, STEEPEST)

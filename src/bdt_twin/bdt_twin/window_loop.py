@@ -13,6 +13,7 @@ from bdt_plant.resisted_motor import discretize_resisted_motor
 from bdt_plant.screw_load import ScrewLoad
 from bdt_plant.stribeck import friction_law
 from bdt_twin.cog_wave import cog_wave
+from bdt_twin.friction_change import TURNING, UNCHANGED, FrictionChange, felt_voltage
 from bdt_twin.resisted_plant import (
     COGGED_SPEED,
     FAST,
@@ -20,18 +21,18 @@ from bdt_twin.resisted_plant import (
     ResistedPlant,
     resisted_plant_step,
     screw_force,
+    slope_left,
     slow_share,
+    steepness,
 )
 
 FloatArray = NDArray[np.float64]
 
-SMALLEST_SPEED = 1e-4
-"""Speed of the motor from which on it turns [rad/s]."""
 COGGING = ("cogging_sine", "cogging_cosine")
-DRIVES = ("friction", "offset", "gain", "excess", "stribeck_speed", "load", *COGGING)
+CHANGES = ("growth", "slope")
+DRIVES = ("friction", "offset", "gain", "excess", "stribeck_speed", "load", *COGGING, *CHANGES)
 """What moves the motor, as time integrals since the beginning; see ``StretchResponse.drives``."""
-STEEPEST = 0.8
-"""Largest share of the back-EMF's slope that falling friction takes away, as far as slopes go."""
+DRIVE_COUNT = len(DRIVES)
 
 
 @cache
@@ -47,6 +48,7 @@ def compiled_window() -> Any:
         return (
             typeof(_model_step()),
             typeof(AT_REST),
+            typeof(UNCHANGED),
             given,
             given,
             types.int64,
@@ -61,7 +63,16 @@ def compiled_window() -> Any:
     return compile_with_steps(_window_loop, STEPS, signature)
 
 
-STEPS = (plant_step, resisted_plant_step, screw_force, slow_share, cog_wave)
+STEPS = (
+    plant_step,
+    resisted_plant_step,
+    screw_force,
+    slow_share,
+    steepness,
+    slope_left,
+    cog_wave,
+    felt_voltage,
+)
 """Step functions that the loop over a window calls."""
 
 
@@ -82,6 +93,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
     def window_loop(  # noqa: PLR0912, PLR0915
         step: ResistedPlant,
         state: PlantState,
+        change: FrictionChange,
         voltage: FloatArray,
         gaps: FloatArray,
         block: int,
@@ -98,11 +110,13 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
     ) -> tuple[int, float]:
         _ = sources
         last_side, last_motor, last_sample = 0.0, state.motor.angle, 0.0
-        drives, last_drives, begun = np.zeros(8), np.zeros(8), np.zeros(8)
+        drives, last_drives = np.zeros(DRIVE_COUNT), np.zeros(DRIVE_COUNT)
+        begun = np.zeros(DRIVE_COUNT)
         law, cogs = step.friction, step.cogs.periods_per_radian
         is_resisted = law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
+        changes, pitch = change.growth != 0.0 or change.slope != 0.0, step.plant.pitch
         per_speed = 1.0 / law.stribeck_speed
-        steepness = 2.0 * law.excess * step.motor.resistance * per_speed * per_speed / back_emf
+        steep = steepness(law.excess * step.motor.resistance, law.stribeck_speed, back_emf)
         before = state.theta_d
         direction, extreme, turned_at, found, travel = 0.0, before, 0, 0, 0.0
         part, k = 1.0 / block, -1
@@ -112,28 +126,33 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
             begun[:] = last_drives
             for _ in range(block):
                 k += 1
+                time, place = k * sample_time, pitch * before
                 if k > 0:
+                    applied = voltage[k - 1]
+                    if changes:
+                        applied = felt_voltage(applied, state.motor.speed, time, place, change)
                     if is_resisted:
-                        state = resisted_plant_step(state, voltage[k - 1], gaps[k], step)
+                        state = resisted_plant_step(state, applied, gaps[k], step)
                     else:
-                        state = plant_step(state, voltage[k - 1], gaps[k], step.plant)
+                        state = plant_step(state, applied, gaps[k], step.plant)
                 speed = state.motor.speed
                 if abs(speed) > slow_speed:
                     fast += sample_time
-                elif abs(speed) > SMALLEST_SPEED or abs(voltage[k]) > standing_voltage:
+                elif abs(speed) > TURNING or abs(voltage[k]) > standing_voltage:
                     slow += sample_time
-                if abs(speed) > SMALLEST_SPEED:
+                if abs(speed) > TURNING:
                     # A voltage is felt more where friction falls with speed.
                     sign, felt, amplified = 1.0 if speed > 0.0 else -1.0, sample_time, 0.0
                     ratio = abs(speed) * per_speed
                     if ratio < FAST:
                         share = slow_share(ratio)
-                        steep = min(steepness * ratio * share, STEEPEST)
-                        felt = sample_time / (1.0 - steep)
+                        felt = sample_time / slope_left(ratio, share, steep)
                         amplified = felt - sample_time
                         drives[3] += sign * felt * share
                         drives[4] += sign * felt * share * 2.0 * ratio * ratio
-                    drives[0] += sign * felt
+                    lasted, covered = change.time + time, change.place + place
+                    grown = 1.0 + change.growth * lasted + change.slope * covered
+                    drives[0] += sign * felt * grown
                     drives[1] += felt
                     drives[2] += amplified * speed
                     if state.contact != 0:
@@ -144,6 +163,8 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         sine, cosine = cog_wave(state.motor.angle * cogs)
                         drives[6] += felt * sine
                         drives[7] += felt * cosine
+                    drives[8] += sign * felt * lasted
+                    drives[9] += sign * felt * covered
                 angle = state.theta_d
                 if angle != before:
                     last_side = 1.0 if angle > before else -1.0
@@ -174,7 +195,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
             blocks[0, number], blocks[1, number] = part * angles, part * sides
             blocks[2, number], blocks[3, number] = part * motors, part * samples
             blocks[4, number], blocks[5, number], blocks[6, number] = fast, slow, contact
-            for drive in range(8):
+            for drive in range(DRIVE_COUNT):
                 blocks[7 + drive, number] = 0.5 * (begun[drive] + last_drives[drive])
         return found, travel
 

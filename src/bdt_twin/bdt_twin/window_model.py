@@ -11,11 +11,13 @@ from bdt_plant.structure import DiscreteStructure, StructureState
 from bdt_twin.drive_bases import drive_bases
 from bdt_twin.fixed_order import block_means, dot, product, standard_deviation
 from bdt_twin.forward_model import (
-    SlowMotion,
     StretchResponse,
     initial_state,
     simulate_stretch,
+    slow_motion,
+    travel_in,
 )
+from bdt_twin.friction_change import FrictionChange
 from bdt_twin.gap_samples import GapSamples
 from bdt_twin.innovations import DeviationModel, Motion
 from bdt_twin.machine_knowledge import EFFECTS
@@ -27,12 +29,6 @@ from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_loop import DRIVES
 
 FloatArray = NDArray[np.float64]
-
-SLOW_VOLTAGE = 0.5
-"""Voltage for which the motor turns slowly [V]: friction that depends on speed is felt there."""
-
-STANDING_SHARE = 0.3
-"""Share of the friction's voltage with which a motor that stands still may yet turn."""
 
 FACTOR_CHANGE = 1e-3
 """Change of a factor's logarithm from which the slope of the position is taken."""
@@ -104,13 +100,12 @@ class WindowModel:
         """Simulate each stretch."""
         effect = dict(zip(EFFECTS, unknowns.effects.tolist(), strict=True))
         friction, offset = effect["friction_voltage"], effect["voltage_offset"]
-        step = resisted_plant_with(
-            self._model, unknowns.factors, unknowns.effects, 1.0 / self.sampling_rate
-        )
+        sample_time = 1.0 / self.sampling_rate
+        step = resisted_plant_with(self._model, unknowns.factors, unknowns.effects, sample_time)
         gain = float_exponential(float(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
         responses = []
-        slow = SlowMotion(SLOW_VOLTAGE / back_emf, STANDING_SHARE * friction, back_emf)
+        slow = slow_motion(friction, back_emf)
         for number, (stretch, beginning) in enumerate(
             zip(self.stretches, unknowns.initial_conditions, strict=True)
         ):
@@ -129,26 +124,23 @@ class WindowModel:
                 stretch.voltage + offset,
                 gaps,
                 self.block,
-                1.0 / self.sampling_rate,
+                sample_time,
                 slow,
+                FrictionChange(
+                    friction,
+                    effect["friction_growth"],
+                    effect["friction_slope"],
+                    stretch.first / self.sampling_rate - self.span[1],
+                    float(beginning[1]),
+                ),
             )
             reading = run.position + beginning[1]
             if effect["drift"]:
                 reading += effect["drift"] * self._times[number]
             if effect["delay"]:
-                reading -= self._slope(run.position, effect["delay"])
+                reading -= travel_in(run.position, effect["delay"] * self.sampling_rate)
             responses.append(run._replace(position=reading))
         return responses
-
-    def _slope(self, position: FloatArray, duration: float = 1.0) -> FloatArray:
-        """Return how far a position moves at its samples' velocities in some time [s]."""
-        # What numpy.gradient gives, which takes more than twice as long.
-        slope, samples = np.empty(position.size), duration * self.sampling_rate
-        np.subtract(position[2:], position[:-2], out=slope[1:-1])
-        slope[1:-1] *= 0.5 * samples
-        slope[0] = samples * (position[1] - position[0])
-        slope[-1] = samples * (position[-1] - position[-2])
-        return slope
 
     def jacobian(self, unknowns: Unknowns, responses: list[StretchResponse]) -> FloatArray:
         """Return the Jacobian of the block means of the position, shape (unknowns, blocks).
@@ -201,7 +193,9 @@ class WindowModel:
         ahead, behind = slopes[:, changed[:2]], slopes[:, changed[2:]]
         slopes[:, changed[:2]] = (ahead - behind) / (2 * FACTOR_CHANGE)
         # The readings' own slope differs from the position's by what delay and drift add.
-        slope = self._slope(run.position) - unknowns.effects[EFFECTS.index("drift")]
+        slope = (
+            travel_in(run.position, self.sampling_rate) - unknowns.effects[EFFECTS.index("drift")]
+        )
         slopes[:, effects + EFFECTS.index("delay")] = -block_means(slope, self.block)
         middles = np.arange(run.screw.size) + 0.5 - 0.5 / self.block
         slopes[:, effects + EFFECTS.index("drift")] = middles / self.block_rate
@@ -234,6 +228,13 @@ class WindowModel:
         motions = [Motion(run.fast, run.slow, run.contact) for run in responses]
         step = self.block_step(unknowns)
         return DeviationModel(step, 1.0 / self.block_rate, motions)
+
+    @cached_property
+    def span(self) -> tuple[float, float]:
+        """Times of the first and of the newest sample [s]."""
+        first, newest = self.stretches[0], self.stretches[-1]
+        ends = newest.first + newest.voltage.size
+        return first.first / self.sampling_rate, ends / self.sampling_rate
 
     @cached_property
     def samples(self) -> int:

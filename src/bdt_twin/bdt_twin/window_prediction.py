@@ -10,7 +10,7 @@ from bdt_plant.structure import StructureState
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import mean
 from bdt_twin.forward_model import StretchResponse
-from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.machine_knowledge import CHANGING, EFFECTS, grown_friction
 from bdt_twin.noise_levels import is_restless
 from bdt_twin.structure_responses import structure_after
 from bdt_twin.unknowns import Unknowns
@@ -79,7 +79,10 @@ def predicted_unknowns(window: WindowModel, last: Predecessor) -> Unknowns:
                 # By what the machine has wandered from its simulation in the meantime.
                 seen = slice(sample, sample + before.block)
                 beginning[1] += mean(old.position[seen] - run.position[seen])
-    return Unknowns(gaps, fit.unknowns.factors, initial_conditions, fit.unknowns.effects)
+    effects = fit.unknowns.effects.copy()
+    friction, growth = map(EFFECTS.index, CHANGING)
+    effects[friction] *= grown_friction(effects[growth], window.span[1] - before.span[1])
+    return Unknowns(gaps, fit.unknowns.factors, initial_conditions, effects)
 
 
 def _rings(last: Predecessor, number: int, sample: int) -> bool:

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from recorded_loops import Messages
 from recorded_machine import Proportional, Run, record
-from unknown_machine import UnknownMachine
+from unknown_machine import PITCH, UnknownMachine
 
 from bdt_bringup.cli import run_command
 from bdt_bringup.configuration import load_configuration
@@ -21,7 +21,11 @@ from bdt_study.calibration.calibrated_configuration import (
     configuration_text,
 )
 from bdt_study.calibration.constant import HELD
+from bdt_study.calibration.constant_rows import hints
+from bdt_study.calibration.machine_constants import machine_constants
 from bdt_study.calibration.start_values import model_values, read_configuration
+from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.model_factors import FACTORS
 
 GAP = math.radians(12.0)
 MACHINE = UnknownMachine(coulomb_friction=10e-3, amplifier_offset=20e-3, delay=0.5e-3)
@@ -40,9 +44,9 @@ def commissioning(time, travel=5e-3, speed=20e-3):
     return travel * level_at(time, travel / speed)
 
 
-def telemetry(machine, duration, reference=commissioning):
+def telemetry(machine, duration, reference=commissioning, sampling_rate=5000.0):
     """Return telemetry rows (t [s], u [V], q3 [m]) of a machine that follows a reference."""
-    run = Run(duration, sampling_rate=5000.0, first_gap=GAP, last_gap=GAP)
+    run = Run(duration, sampling_rate=sampling_rate, first_gap=GAP, last_gap=GAP)
     return record(machine, run, Proportional(900.0), reference).rows
 
 
@@ -50,6 +54,18 @@ def bag_of(path, rows, batch=500):
     messages = Messages()
     messages.telemetry(rows, batch)
     return messages.write(path)
+
+
+def calibration_of(machine, folder, start):
+    """Return what is found of a machine from 36 s of telemetry at 1 kHz."""
+    rows = telemetry(machine, 36.0, sampling_rate=1000.0)
+    return calibrate(bag_of(folder / "bag", rows), read_configuration(start))
+
+
+def check_found(constant, truth, tolerance):
+    assert constant.determined
+    assert constant.value == pytest.approx(truth, abs=tolerance)
+    assert abs(constant.value - truth) < 3.0 * constant.standard_uncertainty
 
 
 @pytest.fixture(scope="module")
@@ -87,10 +103,7 @@ def result(bag, start):
 def test_what_the_data_tell_is_found_from_values_off_by_a_factor_of_two(
     result, name, truth, tolerance
 ):
-    found = result.constants[name]
-    assert found.determined
-    assert found.value == pytest.approx(truth, abs=tolerance)
-    assert abs(found.value - truth) < 3.0 * found.standard_uncertainty
+    check_found(result.constants[name], truth, tolerance)
 
 
 def test_what_they_do_not_tell_keeps_its_value_and_is_named_with_what_would(result):
@@ -99,6 +112,8 @@ def test_what_they_do_not_tell_keeps_its_value_and_is_named_with_what_would(resu
         assert not found.determined
         assert found.revealed_by
     assert result.constants["structure.mass"].value == 5.2
+    assert result.constants["motor.inertia"].value == result.start.motor.inertia
+    assert not any("is at most" in each for each in hints(result))
 
 
 def test_what_is_told_as_a_ratio_is_as_unsure_as_its_other_part(result):
@@ -115,13 +130,24 @@ def test_the_residual_is_the_noise_in_the_half_that_was_not_fitted_as_well(resul
     assert result.validation.times[0] > 0.4 * result.residual.times[-1]
 
 
+def test_what_a_walk_of_the_motor_hides_is_less_sure(result):
+    fit, walk = result.found.fit, 3e-6
+    walking = replace(result.found, fit=replace(fit, levels=fit.levels._replace(fast=walk)))
+    found = machine_constants(result.start, walking, (GAP, 0.01), 2e-4)
+    voltage = walk * 0.1 / PITCH
+    for name, times in {"friction_voltage": 3.0, "actuator.offset": 0.3}.items():
+        assert found[name].standard_uncertainty == pytest.approx(times * voltage, rel=0.05)
+    for name, share in {"stiffness_per_mass": 3e-4, "damping_per_mass": 0.01}.items():
+        unsure = found[name].standard_uncertainty / found[name].value
+        assert unsure == pytest.approx(share, rel=0.1)
+
+
 STICKING = replace(MACHINE, friction_at_rest=16e-3, stribeck_speed=3.0)
 
 
 @pytest.fixture(scope="module")
 def sticking(tmp_path_factory, start):
-    bag = bag_of(tmp_path_factory.mktemp("sticking") / "bag", telemetry(STICKING, 36.0))
-    return calibrate(bag, read_configuration(start))
+    return calibration_of(STICKING, tmp_path_factory.mktemp("sticking"), start)
 
 
 @pytest.mark.parametrize(
@@ -138,10 +164,7 @@ def sticking(tmp_path_factory, start):
     ],
 )
 def test_so_is_a_motor_that_sticks(sticking, name, truth, tolerance):
-    found = sticking.constants[name]
-    assert found.determined
-    assert found.value == pytest.approx(truth, abs=tolerance)
-    assert abs(found.value - truth) < 3.0 * found.standard_uncertainty
+    check_found(sticking.constants[name], truth, tolerance)
 
 
 def test_a_motor_that_sticks_leaves_nothing_but_noise_either(sticking):
@@ -163,6 +186,82 @@ def test_a_motor_in_which_none_was_found_loses_that_of_the_start_values(result):
     }
     found = calibrated_configuration(before, model_values(result.start), constants)
     assert "motor.static_friction" not in found["plant"]
+
+
+def test_an_inertia_with_which_readings_would_be_early_becomes_smaller(bag, tmp_path):
+    path = tmp_path / "start.yaml"
+    motor = "motor: {inertia: 10.0e-6, resistance: 24.0, torque_constant: 0.4}"
+    path.write_text(f"/**/twin: {{ros__parameters: {{{motor}}}}}")
+    result = calibrate(bag, read_configuration(path))
+    found = result.constants
+    assert result.unexplained == ""
+    assert result.residual.rms == pytest.approx(MACHINE.noise, rel=0.05)
+    lag = MACHINE.resistance * MACHINE.inertia / (MACHINE.torque_constant * 0.1)
+    assert found["response_delay"].value == pytest.approx(MACHINE.delay + lag, abs=0.06e-3)
+    assert found["sensor.delay"].value == 0.0
+    assert found["motor.inertia"].value * 24.0 / (0.4 * 0.1) == pytest.approx(
+        found["response_delay"].value, rel=1e-3
+    )
+    assert not found["motor.inertia"].determined
+    assert any(each.startswith("motor.inertia, is at most 2.") for each in hints(result))
+    assert any(each.startswith("motor.resistance, keeps 24 Ohm") for each in hints(result))
+    # Somebody who knows it is told that the reading is early.
+    known = machine_constants(result.start, result.found, (GAP, 0.1), 2e-4, ("motor.inertia",))
+    assert known["motor.inertia"].value == pytest.approx(10e-6)
+    assert known["sensor.delay"].value == pytest.approx(MACHINE.delay + lag - 6e-3, abs=0.06e-3)
+    # The twin, which expects no early reading, can begin with the file.
+    written = calibrated_configuration(None, model_values(result.start), found)
+    assert written["twin"]["motor.inertia"] == pytest.approx(found["motor.inertia"].value)
+
+
+COGGED = replace(MACHINE, cogging=2e-3, cogs=18.0)
+
+
+@pytest.fixture(scope="module")
+def cogged(tmp_path_factory, start):
+    return calibration_of(COGGED, tmp_path_factory.mktemp("cogged"), start)
+
+
+@pytest.mark.parametrize(
+    ("name", "truth", "tolerance"),
+    [
+        ("motor.back_emf_constant", 0.1, 1e-4),
+        ("motor.coulomb_friction", 10e-3, 1e-4),
+        ("motor.cogging_torque", 2e-3, 1e-4),
+        ("structure.stiffness", 1e4, 20.0),
+        ("structure.damping", 36.9, 0.4),
+        ("actuator.offset", 20e-3, 1e-3),
+        ("gap.initial", GAP, math.radians(0.1)),
+    ],
+)
+def test_so_is_one_that_cogs(cogged, name, truth, tolerance):
+    check_found(cogged.constants[name], truth, tolerance)
+
+
+def test_how_often_it_cogs_in_a_turn_is_told_as_a_whole_number(cogged):
+    found = cogged.constants["motor.cogging_periods"]
+    assert found.determined
+    assert found.value == 18
+    assert isinstance(found.value, int)
+
+
+def test_the_plant_cogs_as_often_in_a_turn_as_the_machine(cogged):
+    found = calibrated_configuration(None, model_values(cogged.start), cogged.constants)
+    assert found["plant"]["motor.cogging_periods"] == 18
+    assert isinstance(found["plant"]["motor.cogging_periods"], int)
+    assert found["plant"]["motor.cogging_torque"] == pytest.approx(2e-3, rel=0.05)
+
+
+def test_cogging_that_is_not_told_is_none(cogged):
+    fit, place = cogged.found.fit, len(FACTORS) + EFFECTS.index("cogging_cosine")
+    covariance = fit.covariance.copy()
+    first = fit.unknowns.gaps.size
+    covariance[first + place, first + place] = 1.0
+    found = replace(cogged.found, fit=replace(fit, covariance=covariance))
+    constants = machine_constants(cogged.start, found, (GAP, 0.1), 1e-3)
+    assert not constants["motor.cogging_torque"].determined
+    assert constants["motor.cogging_torque"].value == 0.0
+    assert "motor.cogging_periods" not in constants
 
 
 def test_a_motor_that_moves_one_way_tells_neither_friction_nor_offset_nor_gap(tmp_path, start):

@@ -29,7 +29,9 @@ class CalibrationWindow(WindowModel):
         """Return the window with fewer samples and blocks; see :meth:`WindowModel.coarse`."""
         copy = super().coarse(lowest_rate, lowest_block_rate)
         rate = copy.block_rate * copy.block
-        return CalibrationWindow(self._model, copy.stretches, copy.knots, rate, copy.block)
+        return CalibrationWindow(
+            self._model, copy.stretches, copy.knots, rate, copy.block, self.cogs
+        )
 
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
         """Simulate each stretch; see :meth:`WindowModel.simulate`.

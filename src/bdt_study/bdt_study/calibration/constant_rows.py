@@ -56,13 +56,17 @@ def constant_rows(result: Calibration) -> list[ConstantRow]:
 
 def hints(result: Calibration) -> list[str]:
     """Return for each constant that the data do not tell what would tell it."""
+    start = model_values(result.start)
     return [
-        f"{_kept(name, each)}; would be told by {each.revealed_by}"
+        f"{_kept(name, each, start.get(name, each.value))}; would be told by {each.revealed_by}"
         for name, each in result.constants.items()
         if not each.determined
     ]
 
 
-def _kept(name: str, constant: Constant) -> str:
+def _kept(name: str, constant: Constant, start: float) -> str:
     """Return a constant that is not told, with what it is then: no gap is believed in before."""
-    return name if name == GAP else f"{name}, keeps {constant.value:.4g} {constant.unit}"
+    if name == GAP:
+        return name
+    is_start = constant.value == start
+    return f"{name}, {'keeps' if is_start else 'is at most'} {constant.value:.4g} {constant.unit}"

@@ -17,8 +17,16 @@ from bdt_study.calibration.prior_knowledge import (
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 
-FRICTION_DOUBT = 3.0
-"""Times that the friction is off by more than the walk of the motor in a second tells."""
+WALK_DOUBT = {
+    "friction_voltage": 3.0,
+    "cogging_sine": 1.0,
+    "cogging_cosine": 1.0,
+    "voltage_offset": 0.3,
+}
+"""Times that voltages are off by the one that moves the motor as far as it walks in a second."""
+STRUCTURE_DOUBT = {"stiffness": 3e-4, "damping": 0.01}
+"""Logarithms by which the structure is off where the motor walks in a second by the noise of a
+reading or more: it does so in time with the ringing, too, which then seems to decay sooner."""
 
 LARGEST_UNCERTAINTY = {
     "gain": 0.05,
@@ -31,10 +39,14 @@ LARGEST_UNCERTAINTY = {
     "excess_voltage": 0.05,
     "stribeck_speed": 0.3,
     "load_voltage": 1e-3,
+    "cogging_sine": 5e-3,
+    "cogging_cosine": 5e-3,
+    "friction_growth": 1e-3,
+    "friction_slope": 5.0,
     "gap": math.radians(1.0),
 }
 """Standard uncertainties above which data have not determined something: of logarithms of the
-factors, and of effects [V, V, s, m/s, V, 1, V/N] and gap [rad]."""
+factors, of ``EFFECTS`` in their units, and of the gap [rad]."""
 
 MOTION_OF = {
     "gain": "motion over some millimeters at constant speed",
@@ -47,6 +59,10 @@ MOTION_OF = {
     "excess_voltage": "slow motion with rests, in which the motor sticks and breaks loose",
     "stribeck_speed": "slow motion at several speeds",
     "load_voltage": "steps that bend the structure while the motor drives it",
+    "cogging_sine": "slow motion over some millimeters",
+    "cogging_cosine": "slow motion over some millimeters",
+    "friction_growth": "the same motion at the beginning and at the end",
+    "friction_slope": "slow motion over more of the travel",
     "gap": "reversals of the motor, each beyond the gap",
 }
 """Motion that would tell what the data do not."""
@@ -79,9 +95,12 @@ class Finding:
         spreads = np.sqrt(np.diag(machine.covariance)).tolist()
         names = (*FACTORS, *EFFECTS)
         deviations = dict(zip(names, spreads, strict=True))
-        doubt = _friction_doubt(found)
+        doubts = {name: times * _walk_voltage(found) for name, times in WALK_DOUBT.items()}
+        doubt = doubts["friction_voltage"]
         # Friction that is off by a voltage makes all speeds off by its share of the voltage.
-        doubts = {"friction_voltage": doubt, "gain": doubt / _usual_voltage(found)}
+        doubts["gain"] = doubt / _usual_voltage(found)
+        share = min(_walk(found) / found.fit.levels.reading, 1.0)
+        doubts |= {name: share * size for name, size in STRUCTURE_DOUBT.items()}
         excess = found.effect("excess_voltage")
         if excess > 0.0:
             doubts |= {"excess_voltage": doubt, "stribeck_speed": doubt / excess}
@@ -94,7 +113,7 @@ class Finding:
             zip(names, (*factors, *machine.expected[len(FACTORS) :].tolist()), strict=True)
         )
         starts = dict.fromkeys(FACTORS, 1.0) | {"friction_voltage": friction_voltage(start.motor)}
-        prior = dict(zip(names, (*FACTOR_SPREAD, *EFFECT_SPREAD), strict=False))
+        prior = dict(zip(names, (*FACTOR_SPREAD, *EFFECT_SPREAD), strict=True))
         self.values, self.deviations, self.determined = {}, {}, {}
         for name in (*FACTORS, *CALIBRATED_EFFECTS, *found.joined):
             is_found = found.explains and deviations[name] <= LARGEST_UNCERTAINTY[name]
@@ -136,15 +155,19 @@ class Finding:
         )
 
 
-def _friction_doubt(found: Identification) -> float:
-    """Return by how much the friction's voltage is unsure because it is not the same always [V].
+def _walk_voltage(found: Identification) -> float:
+    """Return the voltage that moves the motor as far in a second as it walks [V].
 
     A walk of the motor that the data show is what friction does that depends on speed or place. By
     how much it is off in a second, the friction may be off in all of them.
     """
     motor, pitch = found.found_model.motor, found.model.lead_screw.pitch
-    walk = max(found.fit.levels.fast, found.fit.levels.slow)
-    return FRICTION_DOUBT * walk * motor.back_emf_constant / pitch
+    return _walk(found) * motor.back_emf_constant / pitch
+
+
+def _walk(found: Identification) -> float:
+    """Return the walk of the motor in a second [m]."""
+    return max(found.fit.levels.fast, found.fit.levels.slow)
 
 
 def _usual_voltage(found: Identification) -> float:

@@ -34,12 +34,22 @@ class Data(NamedTuple):
         """Samples over which the residual is averaged."""
         return SETTINGS.samples_per_block(self.sampling_rate)
 
-    def window(self, model: PlantModel) -> CalibrationWindow:
-        """Return the forward model of these data."""
+    def window(self, model: PlantModel, cogs: int = 0) -> CalibrationWindow:
+        """Return the forward model of these data.
+
+        Parameters
+        ----------
+        model : PlantModel
+            The mechanism.
+        cogs : int
+            Periods of the motor's cogging in a turn; 0 for none.
+        """
         first, last = self.stretches[0], self.stretches[-1]
         spacing = SETTINGS.knot_spacing
         begin = math.floor(first.first / self.sampling_rate / spacing)
         end = (last.first + last.voltage.size) / self.sampling_rate
         count = max(math.ceil(end / spacing) - begin, 1) + 1
         knots = spacing * (begin + np.arange(count, dtype=np.float64))
-        return CalibrationWindow(model, list(self.stretches), knots, self.sampling_rate, self.block)
+        return CalibrationWindow(
+            model, list(self.stretches), knots, self.sampling_rate, self.block, cogs
+        )

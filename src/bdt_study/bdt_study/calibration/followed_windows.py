@@ -37,7 +37,9 @@ class FollowedMachine:
     times, gaps : ndarray, shape (windows,)
         Times [s] at which the gap was told, increasing, and the gap then [rad].
     joined : tuple of str
-        ``JOINING_EFFECTS`` if the machine has one of them.
+        Those of ``JOINING_EFFECTS`` of whose group the machine has one.
+    cogs : int
+        Periods of the motor's cogging in a turn; 0 for none.
     """
 
     factors: FloatArray
@@ -45,6 +47,7 @@ class FollowedMachine:
     times: FloatArray
     gaps: FloatArray
     joined: tuple[str, ...]
+    cogs: int
 
     def on(self, window: CalibrationWindow) -> Unknowns:
         """Return where the fit of a window begins that follows this machine from rest."""
@@ -77,7 +80,9 @@ def follow_windows(model: PlantModel, data: Data) -> FollowedMachine | None:
     last, kept = estimator.last_fit, estimator.recollection
     if last is None or kept is None:
         return None
-    joined = () if kept.present.isdisjoint(JOINING_EFFECTS) else JOINING_EFFECTS
+    joined = tuple(
+        name for group in JOINING_EFFECTS if not kept.present.isdisjoint(group) for name in group
+    )
     effects = np.where(
         [name in (*CALIBRATED_EFFECTS, *joined) for name in EFFECTS],
         last.fit.unknowns.effects,
@@ -85,7 +90,7 @@ def follow_windows(model: PlantModel, data: Data) -> FollowedMachine | None:
     )
     times = np.array(sorted(told))
     gaps = np.array([told[time] for time in times.tolist()])
-    return FollowedMachine(last.fit.unknowns.factors, effects, times, gaps, joined)
+    return FollowedMachine(last.fit.unknowns.factors, effects, times, gaps, joined, kept.cogs)
 
 
 def _settings_at(sampling_rate: float) -> OutputErrorSettings:

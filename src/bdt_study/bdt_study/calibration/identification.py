@@ -15,6 +15,7 @@ from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_study.calibration.fitted_data import SETTINGS, Data
 from bdt_study.calibration.followed_windows import follow_windows
 from bdt_study.calibration.machine_search import fit_from_any_gap, search_beginning
+from bdt_study.calibration.motor_lag import without_early_reading
 from bdt_study.calibration.prior_knowledge import (
     HELD_SPREAD,
     is_plausible,
@@ -41,7 +42,7 @@ NO_GAP = math.radians(1.0)
 """Gap below which there may be none [rad]."""
 HIDDEN_WALK = 2.0
 """Walks of the motor in a second behind which a gap can hide."""
-UNEXPLAINED = 0.01
+UNEXPLAINED = 0.05
 """Share of the motion that a machine may leave."""
 FAR = 0.5
 """Change of a factor's logarithm after which a fit begins again, about the model that it found."""
@@ -116,7 +117,8 @@ def identify(model: PlantModel, data: Data) -> Identification:
     moved = start.factors
     for _ in range(MOST_BEGINNINGS):
         # The fit goes on from a model whose factors are ones: its logarithms are bounded.
-        model = model_with(model, start.factors)
+        # What a motor that answers too late takes for an early reading, no window believes.
+        model, start = without_early_reading(model_with(model, start.factors), start)
         found = _identify_near(model, data, replace(start, factors=np.zeros(len(FACTORS))), -moved)
         start = found.fit.unknowns
         moved = moved + start.factors
@@ -141,8 +143,8 @@ def _identify_near(
     expected : ndarray, shape (3,)
         Logarithms of the factors by which the start values differ from the model.
     """
-    window = data.window(model)
     followed = follow_windows(model, data)
+    window = data.window(model, 0 if followed is None else followed.cogs)
     joined = () if followed is None else followed.joined
     known = wide_knowledge(friction_voltage(model.motor), joined)
     known.expected[: len(FACTORS)] = expected
@@ -182,7 +184,7 @@ def identify_from(known: Identification, data: Data) -> Identification:
     data : Data
         Telemetry.
     """
-    window = data.window(known.model)
+    window = data.window(known.model, known.window.cogs)
     knowledge = wide_knowledge(known.effect("friction_voltage"), known.joined)
     problem = WindowFit(window, SETTINGS.growth_change, knowledge)
     fit = fit_whole(problem, _moved(known, window))
@@ -199,7 +201,7 @@ def with_machine_held(known: Identification, data: Data) -> Identification:
     data : Data
         Telemetry; its initial conditions and the gap are fitted.
     """
-    window, told = data.window(known.model), known.fit.machine
+    window, told = data.window(known.model, known.window.cogs), known.fit.machine
     held = MachineKnowledge(told.expected, np.diag(np.square(HELD_SPREAD)))
     problem = WindowFit(window, SETTINGS.growth_change, held)
     return Identification(

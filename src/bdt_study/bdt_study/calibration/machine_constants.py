@@ -8,19 +8,26 @@ keeps its start value, and the others are stated for this value, with its doubt.
 
 import math
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 
 from bdt_plant.plant import PlantModel
 from bdt_study.calibration.constant import GAP, HELD, Constant, held_constants
 from bdt_study.calibration.finding import LARGEST_UNCERTAINTY, Finding, structure_ratios
 from bdt_study.calibration.identification import Identification
+from bdt_study.calibration.motor_lag import SMALLEST_LAG, motor_lag, with_lag
 from bdt_study.calibration.start_values import model_values
 from bdt_twin.machine_knowledge import USUAL_STRIBECK_SPEED
+from bdt_twin.window_loop import COGGING
 
 TORQUE_OF_A_VOLT = ("motor.torque_constant", "motor.resistance")
 """Constants on which it depends what torque a voltage is."""
 START_SPREAD = 0.35
 """Relative standard uncertainty of a start value that the data cannot tell: a factor of two is
 rare."""
+RATIOS = (("load_voltage", "V/N"), ("friction_growth", "1/s"), ("friction_slope", "1/m"))
+"""Effects that the data tell by themselves where the machine has them, and their units."""
+COVERAGE = 2.0
+"""Standard uncertainties by which a reading is early before the start value of the inertia is."""
 SAMPLE_SHARE = 0.25
 """Share of a sample time by which the delay is unsure whatever the data: they are samples."""
 
@@ -49,6 +56,13 @@ def machine_constants(
     """
     finding, values = Finding(start, found), model_values(start)
     values["motor.back_emf_constant"] /= finding.values["gain"]
+    late = math.hypot(finding.deviations["delay"], SAMPLE_SHARE * sample_time)
+    response = lag = _lag_of_start(start, found)
+    if finding.determined["delay"]:
+        response = finding.values["delay"] + motor_lag(found.found_model)
+    if response < lag - COVERAGE * late and "motor.inertia" not in known:
+        lag = max(response, SMALLEST_LAG)
+        values["motor.inertia"] = with_lag(found.found_model, lag).motor.inertia
     doubt = {name: 0.0 if name in known else START_SPREAD for name in HELD}
     constants = held_constants(values, doubt)
     motor, value, deviation = start.motor, finding.values, finding.deviations
@@ -67,13 +81,9 @@ def machine_constants(
         ],
     )
     per_volt = motor.torque_constant / motor.resistance
-    friction = value["friction_voltage"] * per_volt
-    constants["motor.coulomb_friction"] = finding.constant(
-        "friction_voltage",
-        friction,
-        "N m",
-        deviation["friction_voltage"] * per_volt,
-        [(name, friction * doubt[name]) for name in TORQUE_OF_A_VOLT],
+    friction = "friction_voltage"
+    constants["motor.coulomb_friction"] = _torque(
+        finding, friction, value[friction] * per_volt, deviation[friction] * per_volt, doubt
     )
     for name, unit in (("stiffness", "N/m"), ("damping", "N s/m")):
         found_value = values[f"structure.{name}"] * value[name]
@@ -84,11 +94,9 @@ def machine_constants(
             found_value * deviation[name],
             [("structure.mass", found_value * doubt["structure.mass"])],
         )
-    lag = _motor_lag(found.found_model)
-    late = math.hypot(deviation["delay"], SAMPLE_SHARE * sample_time)
     constants["sensor.delay"] = finding.constant(
         "delay",
-        value["delay"],
+        response - lag,
         "s",
         late,
         [
@@ -104,7 +112,23 @@ def machine_constants(
     constants[GAP] = finding.constant("gap", gap[0], "rad", gap[1])
     if "excess_voltage" in found.joined:
         constants |= _friction_at_rest(finding, per_volt, doubt)
-    return constants | _ratio_constants(start, found, finding, late)
+    if COGGING[0] in found.joined:
+        constants |= _cogging(finding, found.window.cogs, per_volt, doubt)
+    return constants | _ratio_constants(start, found, finding, (response, late))
+
+
+def _lag_of_start(start: PlantModel, found: Identification) -> float:
+    """Return how late the motor that was found answers with the start value of the inertia [s]."""
+    motor = replace(found.found_model.motor, inertia=start.motor.inertia)
+    return motor_lag(replace(found.found_model, motor=motor))
+
+
+def _torque(
+    finding: Finding, name: str, torque: float, deviation: float, doubt: Mapping[str, float]
+) -> Constant:
+    """Return a torque that a voltage tells [N m], for what a volt of it is."""
+    given = [(held, torque * doubt[held]) for held in TORQUE_OF_A_VOLT]
+    return finding.constant(name, torque, "N m", deviation, given)
 
 
 def _friction_at_rest(
@@ -116,42 +140,48 @@ def _friction_at_rest(
     torque_deviation = math.hypot(deviation["friction_voltage"], deviation[excess]) * per_volt
     speed = USUAL_STRIBECK_SPEED * math.exp(value["stribeck_speed"])
     return {
-        "motor.static_friction": finding.constant(
-            excess,
-            torque,
-            "N m",
-            torque_deviation,
-            [(name, torque * doubt[name]) for name in TORQUE_OF_A_VOLT],
-        ),
+        "motor.static_friction": _torque(finding, excess, torque, torque_deviation, doubt),
         "motor.stribeck_speed": finding.constant(
             "stribeck_speed", speed, "rad/s", speed * deviation["stribeck_speed"]
         ),
     }
 
 
+def _cogging(
+    finding: Finding, cogs: int, per_volt: float, doubt: Mapping[str, float]
+) -> dict[str, Constant]:
+    """Return amplitude and number of periods of the cogging; its phase is that of the position."""
+    spreads = [finding.deviations[name] * per_volt for name in COGGING]
+    for name in COGGING:
+        if not finding.determined[name]:
+            return {"motor.cogging_torque": _torque(finding, name, 0.0, max(spreads), doubt)}
+    parts = [finding.values[name] * per_volt for name in COGGING]
+    torque = math.hypot(*parts)
+    own = math.hypot(*(a * b for a, b in zip(parts, spreads, strict=True))) / torque
+    return {
+        "motor.cogging_torque": _torque(finding, COGGING[0], torque, own, doubt),
+        "motor.cogging_periods": finding.constant(COGGING[0], cogs, "", 0.0),
+    }
+
+
 def _ratio_constants(
-    start: PlantModel, found: Identification, finding: Finding, late: float
+    start: PlantModel, found: Identification, finding: Finding, response: tuple[float, float]
 ) -> dict[str, Constant]:
     """Return what the data tell by themselves; these are no parameters of a node."""
     stiffness, damping = structure_ratios(start)
     value, deviation = finding.values, finding.deviations
     stiffness, damping = stiffness * value["stiffness"], damping * value["damping"]
-    response = value["delay"] + _motor_lag(found.found_model)
     ratios = [
         ("friction_voltage", "friction_voltage", value["friction_voltage"], "V", 1.0),
         ("stiffness_per_mass", "stiffness", stiffness, "1/s^2", stiffness),
         ("damping_per_mass", "damping", damping, "1/s", damping),
     ]
-    if "load_voltage" in found.joined:
-        ratios.append(("load_voltage", "load_voltage", value["load_voltage"], "V/N", 1.0))
+    ratios += [
+        (name, name, value[name], unit, 1.0) for name, unit in RATIOS if name in found.joined
+    ]
     constants = {
         name: finding.constant(told_by, each, unit, scale * deviation[told_by])
         for name, told_by, each, unit, scale in ratios
     }
-    return constants | {"response_delay": finding.constant("delay", response, "s", late)}
-
-
-def _motor_lag(model: PlantModel) -> float:
-    """Return the time by which the motor answers late, R J / (k_B k_T) [s]."""
-    motor = model.motor
-    return motor.resistance * motor.inertia / (motor.back_emf_constant * motor.torque_constant)
+    delay, late = response
+    return constants | {"response_delay": finding.constant("delay", delay, "s", late)}

@@ -8,18 +8,23 @@ from bdt_twin.fit_result import Fit
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, independent_knowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import SMALLEST_NOISE
+from bdt_twin.window_loop import COGGING
 
 FACTOR_SPREAD = (0.7, 0.7, 0.7)
 """Prior standard deviations of the logarithms of ``FACTORS``: twice as large, or half."""
 CALIBRATED_EFFECTS = ("friction_voltage", "voltage_offset", "delay", "drift")
 """Those of ``EFFECTS`` that every calibration looks for, the first ones."""
-JOINING_EFFECTS = ("excess_voltage", "stribeck_speed", "load_voltage")
-"""Those that one looks for if windows of the data give evidence of them, the next ones."""
-EFFECT_SPREAD = (1.0, 0.2, 2e-3, 1e-5, 0.5, 0.5, 5e-3)
-"""Prior standard deviations of both [V, V, s, m/s, V, 1, V/N]."""
+JOINING_EFFECTS = (
+    ("excess_voltage", "stribeck_speed", "load_voltage"),
+    COGGING,
+    ("friction_growth", "friction_slope"),
+)
+"""Those that one looks for if windows of the data give evidence of one of their group."""
+EFFECT_SPREAD = (1.0, 0.2, 2e-3, 1e-5, 0.5, 0.5, 5e-3, 0.1, 0.1, 5e-3, 20.0)
+"""Prior standard deviations of ``EFFECTS``, in their units."""
 _ABSENT = 1e-9
-_NONE = (_ABSENT,) * (len(EFFECTS) - len(EFFECT_SPREAD))
-HELD_SPREAD = (1e-7, 1e-7, 1e-7, 1e-7, 1e-7, 1e-9, 1e-12, *(_ABSENT,) * 3, *_NONE)
+_HELD = (1e-7, 1e-7, 1e-7, 1e-7, 1e-7, 1e-9, 1e-12)
+HELD_SPREAD = (*_HELD, *(_ABSENT,) * (len(FACTORS) + len(EFFECTS) - len(_HELD)))
 """Standard deviations of ``FACTORS`` and ``EFFECTS`` that stay what they are."""
 PLAUSIBLE = 4.0
 """Standard deviations of the prior within which a machine is one."""
@@ -39,9 +44,9 @@ def wide_knowledge(friction: float, joining: Collection[str] = ()) -> MachineKno
     """
     spread = [
         size if name in (*CALIBRATED_EFFECTS, *joining) else _ABSENT
-        for name, size in zip(EFFECTS, EFFECT_SPREAD, strict=False)
+        for name, size in zip(EFFECTS, EFFECT_SPREAD, strict=True)
     ]
-    return independent_knowledge(friction, (*FACTOR_SPREAD, *spread, *_NONE))
+    return independent_knowledge(friction, (*FACTOR_SPREAD, *spread))
 
 
 def without_late_readings(knowledge: MachineKnowledge) -> MachineKnowledge:

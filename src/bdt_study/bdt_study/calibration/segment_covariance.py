@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_study.calibration.calibration_window import CalibrationWindow
-from bdt_twin.fit_doubt import covariance_inflation, huber_weights
+from bdt_twin.fit_doubt import doubted_weights
 from bdt_twin.fit_result import Fit
 
 FloatArray = NDArray[np.float64]
@@ -35,9 +35,9 @@ def segment_covariance(window: CalibrationWindow, fit: Fit) -> FloatArray:
         The fit.
     """
     jacobian = fit.whitening.apply(window.jacobian(fit.unknowns, fit.responses))
-    inflation = covariance_inflation(fit.innovations, fit.levels, window.block_rate)
+    weights = doubted_weights(fit.innovations, fit.levels, window.block_rate)
     # The slope that belongs to the information behind the fit's covariance.
-    slopes = jacobian * (huber_weights(fit.innovations) * fit.innovations / inflation)
+    slopes = jacobian * (weights * fit.innovations)
     length = max(round(SEGMENT * window.block_rate), 1)
     sums = np.add.reduceat(slopes, np.arange(0, slopes.shape[1], length), axis=1)
     sums -= sums.mean(axis=1, keepdims=True)

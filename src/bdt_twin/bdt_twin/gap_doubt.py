@@ -1,0 +1,59 @@
+"""How much less sure a gap is than the residual of its fit says."""
+
+import math
+
+import numpy as np
+
+from bdt_twin.fit_doubt import FIRST_DOUBT
+from bdt_twin.fit_result import Fit
+from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.machine_memory import SMALLEST_FRICTION
+from bdt_twin.noise_levels import is_restless
+from bdt_twin.wave_problem import WaveProblem
+from bdt_twin.window_model import WindowModel
+
+ALIKE = 4.0
+"""Reversals up to which it matters that they are alike: cogging that is unknown moves a motor that
+hardly turns at each of them in the same way."""
+
+
+def doubted(
+    window: WindowModel,
+    fit: Fit,
+    at: float,
+    uncertainty: float,
+    reversals: int,
+    *,
+    is_first: bool,
+) -> float:
+    """Return the standard uncertainty of a gap with what its fit does not know [rad].
+
+    That is cogging that nobody has found, of a motor with friction.
+
+    Parameters
+    ----------
+    window : WindowModel
+        Model and data.
+    fit : Fit
+        Their fit.
+    at : float
+        Time of the gap [s].
+    uncertainty : float
+        What the fit says [rad].
+    reversals : int
+        Reversals of the screw that have told the gap.
+    is_first : bool
+        Whether the first motions of a machine have told it that was not known before.
+    """
+    if is_first:
+        uncertainty *= FIRST_DOUBT
+    # Without friction cogging is no secret: it moves the motor from well to well.
+    friction = float(fit.unknowns.effects[EFFECTS.index("friction_voltage")])
+    if window.cogs or friction < SMALLEST_FRICTION or not any(fit.levels[1:]):
+        return uncertainty
+    if is_restless(fit.levels):
+        uncertainty *= math.sqrt(1.0 + ALIKE / reversals)
+    fits = WaveProblem(window, fit).fits(fit.levels)
+    weights = np.zeros(len(fits.moves))
+    weights[: window.knots.size] = window.weights(np.array([at]))[:, 0]
+    return math.hypot(uncertainty, fits.doubt(weights))
