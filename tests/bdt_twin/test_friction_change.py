@@ -14,6 +14,7 @@ from bdt_twin.friction_change import TURNING, FrictionChange, felt_voltage
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.resisted_model import resisted_plant_with
+from bdt_twin.window_loop import DRIVES
 
 FRICTION = 0.15
 SPEEDS = st.floats(-400.0, 400.0).filter(lambda speed: abs(speed) > TURNING)
@@ -54,8 +55,8 @@ def test_a_motor_that_stands_turns_from_the_voltage_on_that_friction_takes_then(
     assert felt * voltage >= 0.0, "it never turns against the voltage"
 
 
-def travelled(change, voltage, duration, rate=5000.0):
-    """Return times [s] and the angle that a motor has turned without a gap [rad]."""
+def run_of(change, voltage, duration, rate=5000.0):
+    """Return times [s] and what a motor does that turns without a gap."""
     effects = np.zeros(len(EFFECTS))
     effects[EFFECTS.index("friction_voltage")] = FRICTION
     step = resisted_plant_with(PlantModel(), np.zeros(len(FACTORS)), effects, 1.0 / rate)
@@ -73,7 +74,13 @@ def travelled(change, voltage, duration, rate=5000.0):
         slow_motion(FRICTION, back_emf),
         change,
     )
-    return np.arange(samples) / rate, run.motor_angle
+    return np.arange(samples) / rate, run
+
+
+def travelled(change, voltage, duration):
+    """Return times [s] and the angle that such a motor has turned [rad]."""
+    times, run = run_of(change, voltage, duration)
+    return times, run.motor_angle
 
 
 def test_a_motor_whose_friction_fades_turns_faster_and_faster():
@@ -102,3 +109,13 @@ def test_a_motor_whose_friction_grows_along_the_screw_slows_down():
     expected = end * (1.0 - np.exp(-rate * times)) / model.lead_screw.pitch
     unchanged = (voltage - FRICTION) * times / model.motor.back_emf_constant
     assert np.abs(angle - expected).max() < 2e-3 * np.abs(expected - unchanged).max()
+
+
+def test_friction_that_was_none_for_a_while_has_moved_nothing_then():
+    """The slope for friction's voltage is zero as long as the share of it is -1."""
+    growth, duration = 0.5, 4.0
+    _, run = run_of(FrictionChange(FRICTION, growth, 0.0, -duration, 0.0), 2.0, duration)
+    moved = run.drives[DRIVES.index("friction")]
+    none = round(len(moved) * (duration - 1.0 / growth) / duration)
+    assert not moved[: none - 1].any()
+    assert moved[-1] == pytest.approx(0.5 / growth, rel=1e-2)

@@ -35,6 +35,26 @@ UNCHANGED = FrictionChange(0.0, 0.0, 0.0, 0.0, 0.0)
 """Friction that stays what it is."""
 
 
+def changed_share(time: float, place: float, change: FrictionChange) -> float:
+    """Return the share by which friction differs from what it is in the end, at position zero.
+
+    Parameters
+    ----------
+    time : float
+        Time [s], from the newest sample of the window on; not positive.
+    place : float
+        Position of the screw's end [m].
+    change : FrictionChange
+        How friction changes.
+
+    Returns
+    -------
+    float
+        The share, -1 at least: no friction is less than none.
+    """
+    return max(change.growth * time + change.slope * place, -1.0)
+
+
 def felt_voltage(
     voltage: float, speed: float, time: float, place: float, change: FrictionChange
 ) -> float:
@@ -51,9 +71,7 @@ def felt_voltage(
     change : FrictionChange
         How friction changes.
     """
-    share = change.growth * (change.time + time) + change.slope * (change.place + place)
-    # No friction is less than none.
-    more = max(share, -1.0) * change.voltage
+    more = changed_share(change.time + time, change.place + place, change) * change.voltage
     if abs(speed) > TURNING:
         return voltage - math.copysign(1.0, speed) * more
     # Friction holds a motor that stands, and never turns it.

@@ -13,7 +13,13 @@ from bdt_plant.resisted_motor import discretize_resisted_motor
 from bdt_plant.screw_load import ScrewLoad
 from bdt_plant.stribeck import friction_law
 from bdt_twin.cog_wave import cog_wave
-from bdt_twin.friction_change import TURNING, UNCHANGED, FrictionChange, felt_voltage
+from bdt_twin.friction_change import (
+    TURNING,
+    UNCHANGED,
+    FrictionChange,
+    changed_share,
+    felt_voltage,
+)
 from bdt_twin.resisted_plant import (
     COGGED_SPEED,
     FAST,
@@ -71,6 +77,7 @@ STEPS = (
     steepness,
     slope_left,
     cog_wave,
+    changed_share,
     felt_voltage,
 )
 """Step functions that the loop over a window calls."""
@@ -151,8 +158,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         drives[3] += sign * felt * share
                         drives[4] += sign * felt * share * 2.0 * ratio * ratio
                     lasted, covered = change.time + time, change.place + place
-                    grown = 1.0 + change.growth * lasted + change.slope * covered
-                    drives[0] += sign * felt * grown
+                    drives[0] += sign * felt * (1.0 + changed_share(lasted, covered, change))
                     drives[1] += felt
                     drives[2] += amplified * speed
                     if state.contact != 0:
