@@ -28,7 +28,7 @@ def doubted(
 ) -> float:
     """Return the standard uncertainty of a gap with what its fit does not know [rad].
 
-    That is cogging that nobody has found, of a motor with friction.
+    That is how first motions mislead, and cogging that nobody has found in a motor with friction.
 
     Parameters
     ----------

@@ -17,6 +17,10 @@ from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
 
+COGGING_PARTS = ("cogging_sine", "cogging_cosine")
+"""The two parts of a wave of the motor's angle."""
+FRICTION_CHANGES = ("friction_growth", "friction_slope")
+"""What Coulomb friction changes by, with time and along the screw."""
 EFFECTS = (
     "friction_voltage",
     "voltage_offset",
@@ -25,10 +29,8 @@ EFFECTS = (
     "excess_voltage",
     "stribeck_speed",
     "load_voltage",
-    "cogging_sine",
-    "cogging_cosine",
-    "friction_growth",
-    "friction_slope",
+    *COGGING_PARTS,
+    *FRICTION_CHANGES,
 )
 """What a machine has that the paper's mechanism has not: Coulomb friction as the voltage that it
 takes [V], the voltage that the amplifier adds [V], the age of a reading [s], the drift of the
@@ -38,7 +40,7 @@ which the structure resists the screw [V/N], the parts of the motor's cogging as
 forward motion, waves of its angle [V], and by which shares of it Coulomb friction changes with time
 [1/s] and along the screw [1/m]; it is that at the newest sample of a window, at position zero."""
 
-COGGING = frozenset(map(EFFECTS.index, ("cogging_sine", "cogging_cosine")))
+COGGING = frozenset(map(EFFECTS.index, COGGING_PARTS))
 """Places in ``EFFECTS`` of the parts of cogging."""
 
 USUAL_STRIBECK_SPEED = 2.0

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from bdt_plant.motor import MotorParameters
 from bdt_twin.cogging_search import CoggingEvidence
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import COGGING, EFFECTS, MachineKnowledge, first_knowledge
+from bdt_twin.machine_knowledge import (
+    COGGING,
+    EFFECTS,
+    FRICTION_CHANGES,
+    MachineKnowledge,
+    first_knowledge,
+)
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import is_restless
 
@@ -22,7 +28,7 @@ EVIDENCE = 4.0
 WITH_FRICTION = ("voltage_offset", "excess_voltage", "stribeck_speed", "load_voltage")
 """Effects of every motor with friction: friction differs by direction and by speed, and the screw
 has some, too. To leave them out until there is evidence would make the first windows too sure."""
-OF_FRICTION = frozenset({EFFECTS.index("friction_growth"), EFFECTS.index("friction_slope")})
+OF_FRICTION = frozenset(map(EFFECTS.index, FRICTION_CHANGES))
 """Places in ``EFFECTS`` of changes of the friction, which only a motor with friction has: cogging
 looks like such a change, too."""
 SMALLEST_FRICTION, FRICTION_COVERAGE = 0.02, 5.0

@@ -34,9 +34,18 @@ from bdt_twin.resisted_plant import (
 
 FloatArray = NDArray[np.float64]
 
-COGGING = ("cogging_sine", "cogging_cosine")
-CHANGES = ("growth", "slope")
-DRIVES = ("friction", "offset", "gain", "excess", "stribeck_speed", "load", *COGGING, *CHANGES)
+DRIVES = (
+    "friction",
+    "offset",
+    "gain",
+    "excess",
+    "stribeck_speed",
+    "load",
+    "cogging_sine",
+    "cogging_cosine",
+    "growth",
+    "slope",
+)
 """What moves the motor, as time integrals since the beginning; see ``StretchResponse.drives``."""
 DRIVE_COUNT = len(DRIVES)
 

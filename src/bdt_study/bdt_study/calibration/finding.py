@@ -95,7 +95,8 @@ class Finding:
         spreads = np.sqrt(np.diag(machine.covariance)).tolist()
         names = (*FACTORS, *EFFECTS)
         deviations = dict(zip(names, spreads, strict=True))
-        doubts = {name: times * _walk_voltage(found) for name, times in WALK_DOUBT.items()}
+        voltage = _walk_voltage(found)
+        doubts = {name: times * voltage for name, times in WALK_DOUBT.items()}
         doubt = doubts["friction_voltage"]
         # Friction that is off by a voltage makes all speeds off by its share of the voltage.
         doubts["gain"] = doubt / _usual_voltage(found)

@@ -16,8 +16,7 @@ from bdt_study.calibration.finding import LARGEST_UNCERTAINTY, Finding, structur
 from bdt_study.calibration.identification import Identification
 from bdt_study.calibration.motor_lag import SMALLEST_LAG, motor_lag, with_lag
 from bdt_study.calibration.start_values import model_values
-from bdt_twin.machine_knowledge import USUAL_STRIBECK_SPEED
-from bdt_twin.window_loop import COGGING
+from bdt_twin.machine_knowledge import COGGING_PARTS, USUAL_STRIBECK_SPEED
 
 TORQUE_OF_A_VOLT = ("motor.torque_constant", "motor.resistance")
 """Constants on which it depends what torque a voltage is."""
@@ -112,7 +111,7 @@ def machine_constants(
     constants[GAP] = finding.constant("gap", gap[0], "rad", gap[1])
     if "excess_voltage" in found.joined:
         constants |= _friction_at_rest(finding, per_volt, doubt)
-    if COGGING[0] in found.joined:
+    if COGGING_PARTS[0] in found.joined:
         constants |= _cogging(finding, found.window.cogs, per_volt, doubt)
     return constants | _ratio_constants(start, found, finding, (response, late))
 
@@ -151,16 +150,16 @@ def _cogging(
     finding: Finding, cogs: int, per_volt: float, doubt: Mapping[str, float]
 ) -> dict[str, Constant]:
     """Return amplitude and number of periods of the cogging; its phase is that of the position."""
-    spreads = [finding.deviations[name] * per_volt for name in COGGING]
-    for name in COGGING:
+    spreads = [finding.deviations[name] * per_volt for name in COGGING_PARTS]
+    for name in COGGING_PARTS:
         if not finding.determined[name]:
             return {"motor.cogging_torque": _torque(finding, name, 0.0, max(spreads), doubt)}
-    parts = [finding.values[name] * per_volt for name in COGGING]
+    parts = [finding.values[name] * per_volt for name in COGGING_PARTS]
     torque = math.hypot(*parts)
     own = math.hypot(*(a * b for a, b in zip(parts, spreads, strict=True))) / torque
     return {
-        "motor.cogging_torque": _torque(finding, COGGING[0], torque, own, doubt),
-        "motor.cogging_periods": finding.constant(COGGING[0], cogs, "", 0.0),
+        "motor.cogging_torque": _torque(finding, COGGING_PARTS[0], torque, own, doubt),
+        "motor.cogging_periods": finding.constant(COGGING_PARTS[0], cogs, "", 0.0),
     }
 
 

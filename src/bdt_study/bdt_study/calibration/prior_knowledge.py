@@ -5,10 +5,15 @@ from collections.abc import Collection
 import numpy as np
 
 from bdt_twin.fit_result import Fit
-from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, independent_knowledge
+from bdt_twin.machine_knowledge import (
+    COGGING_PARTS,
+    EFFECTS,
+    FRICTION_CHANGES,
+    MachineKnowledge,
+    independent_knowledge,
+)
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import SMALLEST_NOISE
-from bdt_twin.window_loop import COGGING
 
 FACTOR_SPREAD = (0.7, 0.7, 0.7)
 """Prior standard deviations of the logarithms of ``FACTORS``: twice as large, or half."""
@@ -16,8 +21,8 @@ CALIBRATED_EFFECTS = ("friction_voltage", "voltage_offset", "delay", "drift")
 """Those of ``EFFECTS`` that every calibration looks for, the first ones."""
 JOINING_EFFECTS = (
     ("excess_voltage", "stribeck_speed", "load_voltage"),
-    COGGING,
-    ("friction_growth", "friction_slope"),
+    COGGING_PARTS,
+    FRICTION_CHANGES,
 )
 """Those that one looks for if windows of the data give evidence of one of their group."""
 EFFECT_SPREAD = (1.0, 0.2, 2e-3, 1e-5, 0.5, 0.5, 5e-3, 0.1, 0.1, 5e-3, 20.0)
