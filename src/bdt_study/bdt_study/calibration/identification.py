@@ -31,7 +31,6 @@ from bdt_study.calibration.whole_fit import (
 from bdt_twin.fit_result import Fit
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS, model_with
-from bdt_twin.noise_levels import is_restless
 from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.unknowns import Unknowns
 from bdt_twin.window_search import initial_conditions_at_rest
@@ -148,13 +147,11 @@ def _identify_near(
     joined = () if followed is None else followed.joined
     known = wide_knowledge(friction_voltage(model.motor), joined)
     known.expected[: len(FACTORS)] = expected
-    fits = []
+    # Windows that are too short for the machine may have led astray.
+    fits = _fits_from(start, window, known)
     if followed is not None:
         problem = WindowFit(window, SETTINGS.growth_change, known)
         fits.append(fit_whole(problem, followed.on(window)))
-    if not fits or is_restless(fits[0].levels):
-        # Windows that are too short for the machine may have led astray.
-        fits += _fits_from(start, window, known)
     likely = [each for each in fits if is_plausible(each, known)]
     fit = min(likely or fits, key=lambda each: each.prediction_error)
     fit = replace(fit, covariance=segment_covariance(window, fit))
