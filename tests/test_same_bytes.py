@@ -58,8 +58,8 @@ CASES = {"paper": ("paper", {}), "laboratory": ("laboratory", {}), "harsh": ("la
 
 DIGESTS = {
     "paper": "86982255de2973a01f084118fc8da64411f8282c6bf96c5512c1ee828a9d95f0",
-    "laboratory": "835cd4dc5e01a9013210ff9be8afc178ace52ce72435c8b71ba678cfac93548e",
-    "harsh": "2fdc86f7d7581a48a6414448d536d3bdb80a50a47d406aa497b14b3a188dc7d5",
+    "laboratory": "8353564efb0cd7b73ea81a59c2a7b163a7480cc365569d7698f8bdb8a3e2670d",
+    "harsh": "e6254ffb931f310309316309af369158f4cb76f13dd8f48a8a14c81b7613da38",
 }
 """SHA-256 of 30 simulated seconds: voltage, position, reading, dead zone and estimates."""
 

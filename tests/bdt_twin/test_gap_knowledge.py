@@ -7,7 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bdt_twin.estimator import Estimate
-from bdt_twin.gap_knowledge import MUCH_SURER, ROUGHEST, SAME_REVERSAL, GapKnowledge
+from bdt_twin.gap_knowledge import (
+    ROUGHEST,
+    SAME_REVERSAL,
+    SHARE_OF_DIFFERENCE,
+    SURER,
+    GapKnowledge,
+)
 
 LARGEST = math.radians(1.0)
 CHANGE = math.radians(0.02)
@@ -74,29 +80,56 @@ def test_an_answer_ends_what_was_known_roughly(knowledge):
     assert held(knowledge, 60.0).gap == math.radians(5.0)
 
 
-@pytest.mark.parametrize(("later", "unsurer"), [(0.9, 1.1), (-0.9, 1.1), (0.9, 0.9), (1.1, 1.1)])
-def test_an_answer_that_knows_much_less_of_the_same_reversal_is_that_before(
-    knowledge, later, unsurer
-):
-    first = known_at(3.0, 5.0, 0.1, growth=0.01, growth_uncertainty=1e-3, age=0.5)
-    second = known_at(
-        3.0 + later * SAME_REVERSAL,
-        7.0,
-        unsurer * MUCH_SURER * 0.1,
-        age=1.5 - later * SAME_REVERSAL,
+FIRST = known_at(3.0, 5.0, 0.1, growth=0.01, growth_uncertainty=1e-3, age=0.5)
+
+
+def second(later, unsure_by, degrees=5.4):
+    """Return the answer of a window that ends a second after that of ``FIRST``."""
+    return known_at(
+        FIRST.time + later,
+        degrees,
+        unsure_by,
+        growth=0.02,
+        age=1.5 - later,
         voltage_offset=0.02,
         voltage_offset_uncertainty=0.001,
     )
-    assert knowledge.learn(first) == first
-    stated = knowledge.learn(second)
-    if abs(later) > 1.0 or unsurer < 1.0:
-        assert stated == second
-        return
-    # The gap is that of the window that knew more; all else is of the newest one.
-    assert stated[:5] == first[:5]
-    assert stated.age == pytest.approx(1.5)
+
+
+def test_an_answer_at_another_reversal_is_stated_as_it_is(knowledge):
+    assert knowledge.learn(FIRST) == FIRST
+    another = second(1.1 * SAME_REVERSAL, 0.5)
+    assert knowledge.learn(another) == another
+
+
+@pytest.mark.parametrize("later", [0.9 * SAME_REVERSAL, -0.9 * SAME_REVERSAL, -2.0])
+@pytest.mark.parametrize("unsure_by", [0.09, 0.1, 0.5])
+def test_an_answer_at_the_same_reversal_or_before_it_is_that_before(knowledge, later, unsure_by):
+    knowledge.learn(FIRST)
+    stated = knowledge.learn(second(later, unsure_by))
+    # The gap is that of the window that had more data; all else is of the newest one.
+    assert (stated.time, stated.gap, stated.growth) == (FIRST.time, FIRST.gap, FIRST.growth)
+    assert stated.growth_uncertainty == FIRST.growth_uncertainty
+    assert stated.time + stated.age == pytest.approx(FIRST.time + FIRST.age + 1.0)
     assert (stated.voltage_offset, stated.voltage_offset_uncertainty) == (0.02, 0.001)
-    assert knowledge.expected(3.0, CHANGE)[0] == first.gap
+    assert knowledge.expected(3.0, CHANGE)[0] == FIRST.gap
+
+
+def test_one_that_is_surer_takes_its_place(knowledge):
+    knowledge.learn(FIRST)
+    surer = second(0.0, 0.99 * 0.1 / SURER)
+    stated = knowledge.learn(surer)
+    assert (stated.gap, stated.growth) == (surer.gap, surer.growth)
+
+
+@pytest.mark.parametrize("unsure_by", [0.05, 0.5])
+def test_answers_at_the_same_reversal_that_differ_are_both_less_sure(knowledge, unsure_by):
+    knowledge.learn(FIRST)
+    stated = knowledge.learn(second(0.0, unsure_by))
+    surest = math.radians(min(unsure_by, 0.1))
+    doubt = SHARE_OF_DIFFERENCE * math.radians(0.4)
+    assert stated.uncertainty == pytest.approx(math.hypot(surest, doubt))
+    assert knowledge.expected(stated.time, CHANGE)[1] == stated.uncertainty, "from then on"
 
 
 def test_a_rough_gap_leaves_what_is_known_of_the_amplifier(knowledge):

@@ -136,6 +136,25 @@ def test_cogging_of_a_motor_that_hardly_turns_at_its_reversals_makes_no_gap_wron
     assert found.estimator.last_fit.window.cogs == EVERYDAY.cogs
 
 
+@pytest.mark.parametrize(("jumps_at", "first", "last"), [(19.0, 5.0, 12.0), (20.3, 10.0, 18.0)])
+def test_a_gap_that_has_jumped_is_not_taken_for_a_push_of_a_platform(jumps_at, first, last):
+    """A push right after the next reversal explains what the gap before it leaves unexplained."""
+    gaps = {"first_gap": math.radians(first), "last_gap": math.radians(last)}
+    run = Run(**gaps, jumps_at=jumps_at, step=8e-3, step_time=5.95)
+    rows, true = record(MACHINES["everyday"], run)
+    chosen = OutputErrorSettings(update_period=UPDATE_PERIOD)
+    estimator = OutputErrorEstimator(PlantModel(), chosen, RATE)
+    learned = [
+        estimate
+        for batch in np.split(rows, round(run.duration))
+        if not (estimate := estimator.update(batch)).reason
+    ]
+    assert sum(estimate.time > jumps_at for estimate in learned) >= 3
+    for estimate in learned:
+        error = estimate.gap - np.interp(estimate.time, rows[:, 0], true)
+        assert abs(error) < 4.0 * estimate.uncertainty
+
+
 def test_intervals_hold_over_all_machines_and_are_not_too_wide():
     found = [result(name) for name in MACHINES]
     ratios = np.abs(np.concatenate([each.errors / each.uncertainties for each in found]))

@@ -14,7 +14,10 @@ CONTROL_RATE = 500.0
 
 @dataclass(frozen=True)
 class Run:
-    """What the loop does."""
+    """What the loop does.
+
+    The gap grows faster and faster, or jumps from its first to its last size at a time [s].
+    """
 
     duration: float = 30.0
     sampling_rate: float = 1000.0
@@ -23,6 +26,17 @@ class Run:
     step: float = 5e-3
     step_time: float = 5.0
     seed: int = 1
+    jumps_at: float | None = None
+
+    def gaps(self) -> FloatArray:
+        """Return the gap [rad] at each sample."""
+        count = round(self.duration * self.sampling_rate)
+        shares = np.arange(count) / count
+        if self.jumps_at is None:
+            shares = shares**2
+        else:
+            shares = (shares >= self.jumps_at / self.duration).astype(float)
+        return self.first_gap + (self.last_gap - self.first_gap) * shares
 
     def square_wave(self, time: float) -> float:
         """Return the wanted position [m] at a time [s]."""
@@ -108,11 +122,9 @@ def record(
     run = Run() if run is None else run
     controller = Pid() if controller is None else controller
     reference = run.square_wave if reference is None else reference
-    count, held = (round(each * run.sampling_rate) for each in (run.duration, 1.0 / CONTROL_RATE))
-    shares = np.arange(count) / count
-    gaps = run.first_gap + (run.last_gap - run.first_gap) * shares**2
+    gaps, held = run.gaps(), round(run.sampling_rate / CONTROL_RATE)
     running = RunningMachine(machine, gaps, run.sampling_rate, run.seed)
-    for sample in range(0, count, held):
+    for sample in range(0, gaps.size, held):
         error = reference(running.time) - running.reading()
         dead_zone = PITCH * float(gaps[sample]) + 1e-6
         running.hold(controller.voltage(error, dead_zone), held)

@@ -68,7 +68,23 @@ def is_surprised(
         return False
     if pushes.size and np.ptp(pushes) > LONGEST_PUSH * rate:
         return True
-    return bounded_mean_square(newest, HUBER) > 1.0 + SURPRISE * math.sqrt(2.0 / newest.size)
+    return excess(newest) > SURPRISE
+
+
+def excess(innovations: FloatArray) -> float:
+    """Return by how much innovations are larger than noise.
+
+    Parameters
+    ----------
+    innovations : ndarray, shape (n,)
+        Innovations over their standard deviations.
+
+    Returns
+    -------
+    float
+        What their mean square exceeds 1 by, in standard deviations of that of white noise.
+    """
+    return (bounded_mean_square(innovations, HUBER) - 1.0) / math.sqrt(2.0 / innovations.size)
 
 
 def huber_weights(innovations: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from bdt_twin.forward_model import StretchResponse
 from bdt_twin.innovations import NoiseLevels, Whitening
 from bdt_twin.machine_knowledge import MachineKnowledge
+from bdt_twin.noise_levels import EXPLAINED
 from bdt_twin.unknowns import Unknowns
 
 FloatArray = NDArray[np.float64]
@@ -65,6 +66,16 @@ class Fit:
     def pushed(self) -> FloatArray:
         """One where something pushed a platform, else zero, shape (blocks,)."""
         return self.whitening.pushed
+
+    def negligible(self, motion: float) -> float:
+        """Return the size of innovations that is as good as none, however small the noise is.
+
+        Parameters
+        ----------
+        motion : float
+            Standard deviation of the position [m].
+        """
+        return EXPLAINED * motion / self.prediction_error
 
     @property
     def gap_covariance(self) -> FloatArray:

@@ -8,8 +8,10 @@ ROUGHEST = 5.0
 """Largest uncertainties up to which a gap is worth knowing as long as nothing better is."""
 SAME_REVERSAL = 0.1
 """Time between two reversals from which on they are not the same one, found anew [s]."""
-MUCH_SURER = 2.0
-"""Uncertainties of an answer over those of another that knows much more of the same reversal."""
+SURER = 1.5
+"""Uncertainty of an answer over that of the next one that takes its place at the same reversal."""
+SHARE_OF_DIFFERENCE = 0.5
+"""Share of the difference of two answers at the same reversal by which it is less sure."""
 
 
 class GapKnowledge:
@@ -32,23 +34,21 @@ class GapKnowledge:
     def learn(self, answer: Estimate) -> Estimate:
         """Take an answer and return what is to be stated.
 
-        That is the gap of the answer before where it knew much more of the same reversal: its
-        window reached further back. A little more is chance, and to take the surest of many would
-        be to take the one that is sure by mistake.
+        An answer at the reversal that the one before was for has lost data that this one had,
+        and takes its place only where it is surer nevertheless. Where both differ, it depends on
+        other data than those of this reversal what it tells, and either is less sure.
         """
         known = self._answer
-        if (
-            known is not None
-            and abs(answer.time - known.time) < SAME_REVERSAL
-            and answer.uncertainty > MUCH_SURER * known.uncertainty
-        ):
+        if known is not None and answer.time - known.time < SAME_REVERSAL:
+            surer = answer if SURER * answer.uncertainty < known.uncertainty else known
+            doubt = SHARE_OF_DIFFERENCE * (answer.gap - known.gap)
             answer = answer._replace(
-                time=known.time,
-                gap=known.gap,
-                uncertainty=known.uncertainty,
-                growth=known.growth,
-                growth_uncertainty=known.growth_uncertainty,
-                age=answer.age + answer.time - known.time,
+                time=surer.time,
+                gap=surer.gap,
+                uncertainty=math.hypot(surer.uncertainty, doubt),
+                growth=surer.growth,
+                growth_uncertainty=surer.growth_uncertainty,
+                age=answer.age + answer.time - surer.time,
             )
         self._answer, self._rough = answer, None
         return answer

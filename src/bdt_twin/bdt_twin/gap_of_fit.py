@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from bdt_plant.plant import PlantModel
+from bdt_twin.fit_doubt import excess
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import dot, mean, product
 from bdt_twin.window_model import WindowModel
@@ -12,6 +13,9 @@ from bdt_twin.window_model import WindowModel
 RESPONSE = 10.0
 """Time in which the upper platform answers the screw, in sqrt(m/k): a period of its slowest
 vibration."""
+UNLIKE = 5.5
+"""Standard deviations of the mean square of white noise by which that of the innovations exceeds
+its mean where the platform answers a reversal otherwise than the model."""
 JUMP = 2
 """Changes of growth that a jump of the gap is, up and down again."""
 
@@ -22,7 +26,9 @@ def answered_reversals(
     """Return the times of the screw's reversals that the platform has answered [s].
 
     Where the gap has just jumped the model reverses before the machine does. Only when the
-    platform has had the time to follow do the data tell one from the other.
+    platform has had the time to follow do the data tell one from the other; and where it follows
+    otherwise than the model has it, or only with a push, the gap may have jumped in spite of all
+    that the windows before have told.
 
     Parameters
     ----------
@@ -35,8 +41,28 @@ def answered_reversals(
     newest : float
         Time of the newest sample [s].
     """
-    answered = newest - RESPONSE * math.sqrt(model.structure.mass / model.structure.stiffness)
-    return [time for time in window.reversals(fit.responses) if time <= answered]
+    response = RESPONSE * math.sqrt(model.structure.mass / model.structure.stiffness)
+    times = [time for time in window.reversals(fit.responses) if time <= newest - response]
+    while times and not _is_explained(window, fit, times[-1], response):
+        times.pop()
+    return times
+
+
+def _is_explained(window: WindowModel, fit: Fit, at: float, response: float) -> bool:
+    """Tell whether the platform follows the screw from a time on as the model has it."""
+    ends = np.concatenate(
+        [
+            (stretch.first + window.block * np.arange(1, run.screw.size + 1)) / window.sampling_rate
+            for stretch, run in zip(window.stretches, fit.responses, strict=True)
+        ]
+    )
+    answer = (ends > at) & (ends <= at + response)
+    # What a hole has hidden is not explained.
+    if not answer.any() or fit.pushed[answer].any():
+        return False
+    innovations = fit.innovations[answer]
+    is_negligible = mean(np.square(innovations)) < fit.negligible(window.motion) ** 2
+    return is_negligible or excess(innovations) < UNLIKE
 
 
 def growth_change_of(window: WindowModel, fit: Fit) -> float:

@@ -154,7 +154,7 @@ def _in_the_middle_of_the_gap(unknowns: Unknowns) -> Unknowns:
 
 def leaves_newest_unexplained(window: WindowModel, fit: Fit) -> bool:
     """Return whether a fit explains the newest data of its window worse than the others."""
-    negligible = EXPLAINED * window.motion / fit.prediction_error
+    negligible = fit.negligible(window.motion)
     return is_surprised(fit.innovations, fit.pushed, fit.levels, window.block_rate, negligible)
 
 
