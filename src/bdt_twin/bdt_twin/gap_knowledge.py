@@ -34,9 +34,9 @@ class GapKnowledge:
     def learn(self, answer: Estimate) -> Estimate:
         """Take an answer and return what is to be stated.
 
-        An answer at the reversal that the one before was for has lost data that this one had,
-        and takes its place only where it is surer nevertheless. Where both differ, it depends on
-        other data than those of this reversal what it tells, and either is less sure.
+        An answer at the reversal of the one before lacks data that this one had, and takes its
+        place only where it is surer nevertheless. Where they differ, the gap depends on data besides
+        this reversal's, and both are less sure.
         """
         known = self._answer
         if known is not None and answer.time - known.time < SAME_REVERSAL:
