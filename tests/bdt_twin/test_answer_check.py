@@ -9,6 +9,8 @@ from bdt_twin.answer_check import (
     DOUBTFUL,
     FIRST_SHARE,
     HARDLY_EXPLAINED,
+    LESS_EXPLAINED,
+    LONG_AFTER,
     MOST_PUSHED,
     AnswerCheck,
 )
@@ -29,7 +31,7 @@ def doubt(check, *gap, **more):
 def whole_doubt(
     check, gap=KNOWN[0], uncertainty=SURE, expected=KNOWN, levels=EXPLAINED, **happened
 ):
-    happened = {"at": 0.0, "pushed": 0.0, "is_surprised": False} | happened
+    happened = {"at": 0.0, "pushed": 0.0, "is_surprised": False, "error_ratio": 1.0} | happened
     return check.doubt(gap, uncertainty, expected, levels, **happened)
 
 
@@ -106,6 +108,17 @@ def test_windows_that_share_a_reversal_say_it_once(check):
         told = fitted_again * SAME_REVERSAL
         assert "contradicts" in doubt(check, 2.0 * KNOWN[0], at=told)
     assert doubt(check, 2.0 * KNOWN[0], at=1.01 * SAME_REVERSAL) == ""
+
+
+def test_a_window_that_is_explained_less_well_overturns_nothing_for_a_while(check):
+    """Of a fit that is still on its way to a gap that has jumped, other reversals say it too."""
+    less = {"error_ratio": 1.01 * LESS_EXPLAINED}
+    for at in (0.0, 1.0, 0.99 * LONG_AFTER):
+        assert "contradicts" in doubt(check, 2.0 * KNOWN[0], at=at, **less)
+    assert doubt(check, 2.0 * KNOWN[0], at=1.01 * LONG_AFTER, **less) == ""
+    assert "contradicts" in doubt(check, 2.0 * KNOWN[0], at=6.0, **less)
+    assert doubt(check, 2.0 * KNOWN[0], at=7.0, error_ratio=0.99 * LESS_EXPLAINED) == ""
+    assert doubt(check, **less) == "", "what agrees is stated"
 
 
 def test_an_answer_that_is_very_sure_contradicts_only_where_something_was_pushed(check):

@@ -13,6 +13,12 @@ CONTRADICTION = 2.0
 """Standard uncertainties between two gaps that contradict each other; windows share their data."""
 HARMLESS = math.radians(0.3)
 """Difference of two gaps that is no contradiction however sure both are [rad]."""
+LESS_EXPLAINED = 1.06
+"""Prediction error over that of the last answer from which on a window is explained less well: a
+fit that is still on its way to a gap that has jumped."""
+LONG_AFTER = 5.0
+"""Time between reversals after which also a window that is explained less well confirms a gap [s]:
+noise may grow, too."""
 HARDLY_EXPLAINED = 8.0
 """Walk of the motor in a second, over the noise of a reading, from which on a first answer may be
 that of a fit which has not yet found the best one."""
@@ -66,6 +72,7 @@ class AnswerCheck:
         at: float,
         pushed: float,
         is_surprised: bool,
+        error_ratio: float,
     ) -> Doubt:
         """Return why a gap is not stated, if it is not.
 
@@ -84,6 +91,8 @@ class AnswerCheck:
             jumped looks like.
         is_surprised : bool
             Whether the newest data are explained worse than the others.
+        error_ratio : float
+            Prediction error over that of the last answer; 1 if there was none.
         """
         reason = self._unsure_because(uncertainty, levels)
         is_rough = bool(reason) and not is_surprised
@@ -91,8 +100,9 @@ class AnswerCheck:
             reason = "the newest data are not explained yet"
         if not reason:
             is_compared = uncertainty >= DOUBTFUL or pushed > 0.0
+            patience = LONG_AFTER if error_ratio > LESS_EXPLAINED else SAME_REVERSAL
             reason = self._contradicting_because(
-                gap, uncertainty, expected if is_compared else None, at
+                gap, uncertainty, expected if is_compared else None, at, patience
             )
         if not reason and pushed > MOST_PUSHED:
             share = f"{100.0 * pushed:.2g} %"
@@ -117,7 +127,12 @@ class AnswerCheck:
         return ""
 
     def _contradicting_because(
-        self, gap: float, uncertainty: float, expected: tuple[float, float] | None, at: float
+        self,
+        gap: float,
+        uncertainty: float,
+        expected: tuple[float, float] | None,
+        at: float,
+        patience: float,
     ) -> str:
         if expected is not None:
             before, its_uncertainty = expected
@@ -126,7 +141,7 @@ class AnswerCheck:
             is_repeated = abs(off - self._contradiction) < abs(off)
             # Said by two reversals, it is what was known before that was wrong. Windows with the
             # same one may all choose the wrong one of two gaps that explain it.
-            is_confirmed = is_repeated and at - self._contradicted_at > SAME_REVERSAL
+            is_confirmed = is_repeated and at - self._contradicted_at > patience
             if abs(off) > spread and not is_confirmed:
                 if not is_repeated:
                     self._contradiction, self._contradicted_at = off, at

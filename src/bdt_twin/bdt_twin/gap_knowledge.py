@@ -35,8 +35,8 @@ class GapKnowledge:
         """Take an answer and return what is to be stated.
 
         An answer at the reversal of the one before lacks data that this one had, and takes its
-        place only where it is surer nevertheless. Where they differ, the gap depends on data besides
-        this reversal's, and both are less sure.
+        place only where it is surer nevertheless. Where they differ, the gap depends on data
+        besides this reversal's, and both are less sure.
         """
         known = self._answer
         if known is not None and answer.time - known.time < SAME_REVERSAL:

@@ -247,6 +247,7 @@ class OutputErrorEstimator:
         before, self._error = self._error, fit.prediction_error
         # A fit that had to begin anew may have found a bad one; the next window tells.
         is_surprised = leaves_newest_unexplained(window, fit) or explains_worse(window, fit, before)
+        last = fit if self.last_fit is None else self.last_fit.fit
         doubt = self._check.doubt(
             gap,
             uncertainty,
@@ -255,6 +256,7 @@ class OutputErrorEstimator:
             at=at,
             pushed=fixed_order.mean(fit.pushed),
             is_surprised=is_surprised,
+            error_ratio=fit.prediction_error / last.prediction_error,
         )
         self._held = self._held + 1 if is_surprised or is_unsure else 0
         # Windows that follow find out more from here, unless it is here that nothing is found.
