@@ -121,6 +121,12 @@ def test_a_window_that_is_explained_less_well_overturns_nothing_for_a_while(chec
     assert doubt(check, **less) == "", "what agrees is stated"
 
 
+def test_one_that_is_very_sure_needs_another_reversal_and_no_more(check):
+    less = {"error_ratio": 1.01 * LESS_EXPLAINED, "uncertainty": 0.99 * DOUBTFUL, "pushed": 1e-3}
+    assert "contradicts" in doubt(check, 2.0 * KNOWN[0], at=0.0, **less)
+    assert doubt(check, 2.0 * KNOWN[0], at=1.01 * SAME_REVERSAL, **less) == ""
+
+
 def test_an_answer_that_is_very_sure_contradicts_only_where_something_was_pushed(check):
     very_sure = 0.99 * DOUBTFUL
     assert doubt(check, 2.0 * KNOWN[0], very_sure) == ""

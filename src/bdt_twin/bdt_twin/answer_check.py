@@ -16,7 +16,7 @@ HARMLESS = math.radians(0.3)
 LESS_EXPLAINED = 1.06
 """Prediction error over that of the last answer from which on a window is explained less well: a
 fit that is still on its way to a gap that has jumped."""
-LONG_AFTER = 5.0
+LONG_AFTER = 3.0
 """Time between reversals after which also a window that is explained less well confirms a gap [s]:
 noise may grow, too."""
 HARDLY_EXPLAINED = 8.0
@@ -100,7 +100,8 @@ class AnswerCheck:
             reason = "the newest data are not explained yet"
         if not reason:
             is_compared = uncertainty >= DOUBTFUL or pushed > 0.0
-            patience = LONG_AFTER if error_ratio > LESS_EXPLAINED else SAME_REVERSAL
+            is_unsettled = error_ratio > LESS_EXPLAINED and uncertainty >= DOUBTFUL
+            patience = LONG_AFTER if is_unsettled else SAME_REVERSAL
             reason = self._contradicting_because(
                 gap, uncertainty, expected if is_compared else None, at, patience
             )
