@@ -3,12 +3,15 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bdt_plant.plant import PlantModel
 from bdt_twin.fit_doubt import excess
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import dot, mean, product
 from bdt_twin.window_model import WindowModel
+
+FloatArray = NDArray[np.float64]
 
 RESPONSE = 10.0
 """Time in which the upper platform answers the screw, in sqrt(m/k): a period of its slowest
@@ -43,26 +46,27 @@ def answered_reversals(
     """
     response = RESPONSE * math.sqrt(model.structure.mass / model.structure.stiffness)
     times = [time for time in window.reversals(fit.responses) if time <= newest - response]
-    while times and not _is_explained(window, fit, times[-1], response):
-        times.pop()
-    return times
-
-
-def _is_explained(window: WindowModel, fit: Fit, at: float, response: float) -> bool:
-    """Tell whether the platform follows the screw from a time on as the model has it."""
     ends = np.concatenate(
         [
             (stretch.first + window.block * np.arange(1, run.screw.size + 1)) / window.sampling_rate
             for stretch, run in zip(window.stretches, fit.responses, strict=True)
         ]
     )
-    answer = (ends > at) & (ends <= at + response)
+    negligible = fit.negligible(window.motion)
+    while times:
+        answer = (ends > times[-1]) & (ends <= times[-1] + response)
+        if _is_explained(fit.innovations[answer], fit.pushed[answer], negligible):
+            break
+        times.pop()
+    return times
+
+
+def _is_explained(innovations: FloatArray, pushed: FloatArray, negligible: float) -> bool:
+    """Tell whether the platform answers as the model has it."""
     # What a hole has hidden is not explained.
-    if not answer.any() or fit.pushed[answer].any():
+    if not innovations.size or pushed.any():
         return False
-    innovations = fit.innovations[answer]
-    is_negligible = mean(np.square(innovations)) < fit.negligible(window.motion) ** 2
-    return is_negligible or excess(innovations) < UNLIKE
+    return mean(np.square(innovations)) < negligible * negligible or excess(innovations) < UNLIKE
 
 
 def growth_change_of(window: WindowModel, fit: Fit) -> float:

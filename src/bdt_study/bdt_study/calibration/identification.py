@@ -147,28 +147,18 @@ def _identify_near(
     joined = () if followed is None else followed.joined
     known = wide_knowledge(friction_voltage(model.motor), joined)
     known.expected[: len(FACTORS)] = expected
+    problem = WindowFit(window, SETTINGS.growth_change, known)
     # Windows that are too short for the machine may have led astray.
-    fits = _fits_from(start, window, known)
-    if followed is not None:
-        problem = WindowFit(window, SETTINGS.growth_change, known)
-        fits.append(fit_whole(problem, followed.on(window)))
+    beginnings = [start] if followed is None else [start, followed.on(window)]
+    fits = [fit_whole(problem, beginning) for beginning in beginnings]
+    if any(fits[0].levels[1:]):
+        # Where the model is wrong, least squares may have led astray, to no gap at all say.
+        other = fit_from_any_gap(window, known, start, FINE)
+        fits.append(fit_machine_noise(problem, other))
     likely = [each for each in fits if is_plausible(each, known)]
     fit = min(likely or fits, key=lambda each: each.prediction_error)
     fit = replace(fit, covariance=segment_covariance(window, fit))
     return Identification(model, window, fit, joined)
-
-
-def _fits_from(
-    start: Unknowns, window: CalibrationWindow, knowledge: MachineKnowledge
-) -> list[Fit]:
-    """Return fits of all data at once."""
-    problem = WindowFit(window, SETTINGS.growth_change, knowledge)
-    fits = [fit_whole(problem, start)]
-    if fits[0].levels[1:] != (0.0, 0.0, 0.0):
-        # Where the model is wrong, least squares may have led astray, to no gap at all say.
-        other = fit_from_any_gap(window, knowledge, start, FINE)
-        fits.append(fit_machine_noise(problem, other))
-    return fits
 
 
 def identify_from(known: Identification, data: Data) -> Identification:
