@@ -58,8 +58,8 @@ CASES = {"paper": ("paper", {}), "laboratory": ("laboratory", {}), "harsh": ("la
 
 DIGESTS = {
     "paper": "86982255de2973a01f084118fc8da64411f8282c6bf96c5512c1ee828a9d95f0",
-    "laboratory": "8353564efb0cd7b73ea81a59c2a7b163a7480cc365569d7698f8bdb8a3e2670d",
-    "harsh": "e6254ffb931f310309316309af369158f4cb76f13dd8f48a8a14c81b7613da38",
+    "laboratory": "1ac86f0d97655b9be305d6715ee80547b83862ade17556c9a75e020d56f23807",
+    "harsh": "5075d610f24a68f127267ee7ea62ca658537ec0fb8d1893728be8bb334e2d810",
 }
 """SHA-256 of 30 simulated seconds: voltage, position, reading, dead zone and estimates."""
 

@@ -55,6 +55,14 @@ def test_the_first_answer_of_a_machine_that_is_hardly_explained_waits_for_the_se
     assert doubt(check, levels=HARDLY) == ""
 
 
+def test_a_motor_that_walks_a_lot_at_once_gives_a_first_answer_again(check):
+    """Its gap may have jumped, which a walk explains as well as the gap that it was."""
+    for before, confirmed in ((NoiseLevels(1e-6), False), (EXPLAINED, True)):
+        assert doubt(check, levels=before) == ""
+        assert doubt(check, levels=HARDLY).startswith("the next window") != confirmed
+        assert doubt(check, levels=HARDLY) == ""
+
+
 def test_where_a_machine_is_hardly_explained_answers_begin_surer_than_they_go_on(check):
     begins, goes_on = 0.99 * FIRST_SHARE * LARGEST, 0.99 * LARGEST
     doubt(check, uncertainty=begins, levels=HARDLY)

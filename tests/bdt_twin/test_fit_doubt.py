@@ -1,9 +1,9 @@
-"""What makes a fit less sure: newest data that it does not explain."""
+"""What makes a fit less sure: noise of the machine, and newest data that it does not explain."""
 
 import numpy as np
 import pytest
 
-from bdt_twin.fit_doubt import NEWEST, is_surprised
+from bdt_twin.fit_doubt import LITTLE_DOUBT, NEWEST, covariance_inflation, is_surprised
 from bdt_twin.innovations import NoiseLevels
 
 QUIET = NoiseLevels(1e-6)
@@ -66,3 +66,13 @@ def test_a_push_does_not_surprise_but_one_that_goes_on_and_on_does(rate):
     assert not surprised_by(newest, WALKING, rate, again_and_again)
     before = [round(NEWEST * rate) + number for number in again_and_again]
     assert not surprised_by(newest, QUIET, rate, before)
+
+
+def test_a_little_noise_of_the_machine_makes_less_sure_and_none_does_not():
+    values = innovations(125.0)
+    none = covariance_inflation(values, QUIET, 125.0)
+    # What the friction of a motor that has next to none lets it walk.
+    next_to_none = covariance_inflation(values, QUIET._replace(slow=1e-18), 125.0)
+    little = covariance_inflation(values, QUIET._replace(slow=1e-7), 125.0)
+    assert next_to_none == none
+    assert little == pytest.approx(LITTLE_DOUBT**2 * none)

@@ -10,9 +10,12 @@ from machine_noise import LEVELS, random_motion, simulated, whitening
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.noise_levels import (
     EXPLAINED,
+    NOTHING,
     QUIETER,
     fitted_levels,
+    is_noticed,
     is_restless,
+    is_slight,
     is_walking,
     quiet,
     robust_deviation,
@@ -117,6 +120,22 @@ def test_a_motor_that_is_made_quiet_walks_less_or_not_at_all():
     assert made.slow == 0.0
     assert made._replace(fast=levels.fast, slow=levels.slow) == levels
     assert not is_restless(NoiseLevels(1e-6, 1e-6, 1e-6, 1e-3))
+
+
+@pytest.mark.parametrize("walk", ["fast", "slow"])
+def test_a_slight_walk_is_none_of_a_motor_that_is_made_quiet(walk):
+    most = NoiseLevels(1e-6)._replace(**{walk: QUIETER * NOTHING * 1e-6})
+    assert is_slight(most)
+    assert not is_slight(most._replace(**{walk: 1.01 * getattr(most, walk)}))
+    assert is_slight(NoiseLevels(1e-6, force=1e-3))
+
+
+@pytest.mark.parametrize("walk", ["fast", "slow"])
+def test_a_walk_is_noticed_beside_the_noise_of_a_reading_and_a_force_always(walk):
+    most = NoiseLevels(1e-6)._replace(**{walk: NOTHING * 1e-6})
+    assert not is_noticed(most)
+    assert is_noticed(most._replace(**{walk: 1.01 * getattr(most, walk)}))
+    assert is_noticed(NoiseLevels(1e-6, force=1e-9))
 
 
 def test_a_walk_counts_if_it_is_more_than_noise_and_than_what_a_good_model_leaves_out():

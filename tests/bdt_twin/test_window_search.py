@@ -15,7 +15,7 @@ from bdt_twin.machine_knowledge import first_knowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error_fit import HALVINGS, WindowFit
 from bdt_twin.stretch import Stretch
-from bdt_twin.unknowns import Unknowns
+from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_search import (
     FEWEST_SIMULATIONS,
@@ -134,6 +134,23 @@ def test_a_motor_that_walks_may_be_anywhere_in_its_gap(closed_loop, monkeypatch)
     shares.clear()
     fit_window(window, GROWTH_CHANGE, KNOWN, wrong, worse, walks)
     assert shares == [*2 * [wrong.initial_conditions[0, 0]], 0.0]
+
+
+def test_a_slight_walk_of_the_window_before_does_not_keep_a_wrong_beginning(closed_loop):
+    """It explains that the screw is off by half of the readings' noise from the first second on."""
+    loop = closed_loop(12.0)
+    rows = loop.rows.copy()
+    rows[:, 2] += np.random.default_rng(2).normal(scale=5e-6, size=len(rows))
+    window = window_of(loop._replace(rows=rows))
+    found = fit_window(window, GROWTH_CHANGE, KNOWN)
+    initial_conditions = found.unknowns.initial_conditions.copy()
+    initial_conditions[:, INITIAL_CONDITION.index("share")] += 0.05
+    wrong = replace(found.unknowns, initial_conditions=initial_conditions)
+    error = found.prediction_error
+    walks = NoiseLevels(error, 0.2 * error, 0.2 * error, 0.0)
+    fit = fit_window(window, GROWTH_CHANGE, KNOWN, wrong, error, walks)
+    assert not any(fit.levels[1:])
+    assert fit.prediction_error <= 1.01 * error
 
 
 @pytest.mark.parametrize(("wrong", "fits"), [(None, 1), (60.0, 2)])

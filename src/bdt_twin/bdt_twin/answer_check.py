@@ -110,7 +110,8 @@ class AnswerCheck:
             reason = f"something holds or pushes the platforms for {share} of the time"
             # A gap by a wrong model is better than none, and no better than an answer.
             is_rough = expected is None
-        self._sure_before = uncertainty <= self._largest
+        # A motor that begins to walk a lot may be one whose gap has just jumped.
+        self._sure_before = uncertainty <= self._largest and is_restless(levels)
         self._stated_before = not reason
         return Doubt(reason, is_rough)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bdt_twin.block_residual import variance_inflation
 from bdt_twin.fixed_order import mean
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.noise_levels import HUBER, is_restless
+from bdt_twin.noise_levels import HUBER, is_noticed, is_restless
 from bdt_twin.robust_sums import bounded_mean_square
 
 FloatArray = NDArray[np.float64]
@@ -125,7 +125,7 @@ def covariance_inflation(innovations: FloatArray, levels: NoiseLevels, rate: flo
     time, short, doubt = innovations.size / rate, SHORT, 1.0
     if is_restless(levels):
         short, doubt = SHORT_AND_RESTLESS, RESTLESS_DOUBT
-    elif any(levels[1:]):
+    elif is_noticed(levels):
         doubt = LITTLE_DOUBT
     inflation *= doubt * doubt
     return inflation * (1.0 + (short / time) * (short / time))

@@ -121,6 +121,16 @@ def is_restless(levels: NoiseLevels, ratio: float = RESTLESS) -> bool:
     return max(levels.fast, levels.slow) > ratio * levels.reading
 
 
+def is_slight(levels: NoiseLevels) -> bool:
+    """Tell whether a motor that is made :func:`quiet` would not walk at all."""
+    return not any(quiet(levels)[1:3])
+
+
+def is_noticed(levels: NoiseLevels) -> bool:
+    """Tell whether there is noise of the machine beside that of the reading."""
+    return levels.force > 0.0 or max(levels.fast, levels.slow) > NOTHING * levels.reading
+
+
 def is_walking(levels: NoiseLevels, motion: float) -> bool:
     """Tell whether the motor's walk hides what a model leaves out that is nearly exact.
 

@@ -12,7 +12,7 @@ from bdt_twin.fit_result import Fit
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.noise_levels import EXPLAINED, is_restless, quiet
+from bdt_twin.noise_levels import EXPLAINED, is_restless, is_slight, quiet
 from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_model import WindowModel
@@ -92,7 +92,9 @@ def fit_window(
     enough = _enough(window, error)
     # What a model explains is not taken for a walk of the motor only because it was before.
     may_rest = levels is not None and is_restless(levels)
-    first = quiet(levels) if levels is not None and may_rest else levels
+    first = levels
+    if levels is not None and (may_rest or is_slight(levels)):
+        first = quiet(levels)
     follow = partial(
         problem.solve,
         steps=FINE,
