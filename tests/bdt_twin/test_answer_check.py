@@ -16,6 +16,7 @@ from bdt_twin.answer_check import (
 )
 from bdt_twin.gap_knowledge import SAME_REVERSAL
 from bdt_twin.innovations import NoiseLevels
+from bdt_twin.noise_levels import NOTHING
 
 LARGEST = math.radians(1.0)
 SURE, UNSURE = 0.5 * LARGEST, 1.1 * LARGEST
@@ -57,7 +58,8 @@ def test_the_first_answer_of_a_machine_that_is_hardly_explained_waits_for_the_se
 
 def test_a_motor_that_walks_a_lot_at_once_gives_a_first_answer_again(check):
     """Its gap may have jumped, which a walk explains as well as the gap that it was."""
-    for before, confirmed in ((NoiseLevels(1e-6), False), (EXPLAINED, True)):
+    slight = NoiseLevels(1e-6, slow=2.0 * NOTHING * 1e-6)
+    for before, confirmed in ((NoiseLevels(1e-6), False), (slight, True), (EXPLAINED, True)):
         assert doubt(check, levels=before) == ""
         assert doubt(check, levels=HARDLY).startswith("the next window") != confirmed
         assert doubt(check, levels=HARDLY) == ""

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from bdt_twin.gap_knowledge import SAME_REVERSAL
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.noise_levels import is_restless
+from bdt_twin.noise_levels import is_noticed, is_restless
 
 DOUBTFUL = math.radians(0.1)
 """Standard uncertainty above which a gap is compared with what was known before [rad]."""
@@ -110,8 +110,8 @@ class AnswerCheck:
             reason = f"something holds or pushes the platforms for {share} of the time"
             # A gap by a wrong model is better than none, and no better than an answer.
             is_rough = expected is None
-        # A motor that begins to walk a lot may be one whose gap has just jumped.
-        self._sure_before = uncertainty <= self._largest and is_restless(levels)
+        # A motor that walks a lot, and did not walk before, may be one whose gap has just jumped.
+        self._sure_before = uncertainty <= self._largest and is_noticed(levels)
         self._stated_before = not reason
         return Doubt(reason, is_rough)
 
