@@ -137,7 +137,7 @@ def test_a_motor_that_walks_may_be_anywhere_in_its_gap(closed_loop, monkeypatch)
 
 
 def test_a_slight_walk_of_the_window_before_does_not_keep_a_wrong_beginning(closed_loop):
-    """It explains that the screw is off by half of the readings' noise from the first second on."""
+    """It explains a screw that is off by a third of the readings' noise from its first motion."""
     loop = closed_loop(12.0)
     rows = loop.rows.copy()
     rows[:, 2] += np.random.default_rng(2).normal(scale=5e-6, size=len(rows))
