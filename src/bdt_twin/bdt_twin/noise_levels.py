@@ -128,7 +128,7 @@ def is_slight(levels: NoiseLevels) -> bool:
 
 def is_noticed(levels: NoiseLevels) -> bool:
     """Tell whether there is noise of the machine beside that of the reading."""
-    return levels.force > 0.0 or max(levels.fast, levels.slow) > NOTHING * levels.reading
+    return levels.force > 0.0 or is_restless(levels, NOTHING)
 
 
 def is_walking(levels: NoiseLevels, motion: float) -> bool:
