@@ -11,7 +11,7 @@ from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel
 from bdt_twin import window_search
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import first_knowledge
+from bdt_twin.machine_knowledge import EFFECTS, first_knowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error_fit import HALVINGS, WindowFit
 from bdt_twin.stretch import Stretch
@@ -134,6 +134,35 @@ def test_a_motor_that_walks_may_be_anywhere_in_its_gap(closed_loop, monkeypatch)
     shares.clear()
     fit_window(window, GROWTH_CHANGE, KNOWN, wrong, worse, walks)
     assert shares == [*2 * [wrong.initial_conditions[0, 0]], 0.0]
+
+
+@pytest.mark.parametrize(
+    ("walk", "friction", "begins"),
+    [(0.2, 0.0, [0.0]), (1.0, 0.0, [1.0, 1.0 / 12.0]), (1.0, 0.1, [1.0])],
+    ids=["slight", "neither slight nor large", "of friction"],
+)
+def test_a_walk_without_friction_is_tried_and_a_quieter_one_besides(
+    closed_loop, monkeypatch, walk, friction, begins
+):
+    window = window_of(closed_loop(12.0), begin=3100)
+    found = fit_window(window, GROWTH_CHANGE, KNOWN)
+    effects = found.unknowns.effects.copy()
+    effects[EFFECTS.index("friction_voltage")] = friction
+    ratios, fits = [], []
+    solve = WindowFit.solve
+
+    def solved(fit, *most, levels, **how):
+        ratios.append(levels.slow / levels.reading)
+        fits.append(solve(fit, *most, levels=levels, **how))
+        return fits[-1]
+
+    monkeypatch.setattr(WindowFit, "solve", solved)
+    begun = replace(found.unknowns, effects=effects)
+    walks = NoiseLevels(reading=1e-6, slow=walk * 1e-6)
+    fit = fit_window(window, GROWTH_CHANGE, KNOWN, begun, 1.0, walks)
+    assert ratios == pytest.approx(begins)
+    assert fit.prediction_error == min(each.prediction_error for each in fits)
+    assert fit.simulated == sum(each.simulated for each in fits)
 
 
 def test_a_slight_walk_of_the_window_before_does_not_keep_a_wrong_beginning(closed_loop):

@@ -6,7 +6,6 @@ import numpy as np
 
 from bdt_twin.fit_doubt import FIRST_DOUBT
 from bdt_twin.fit_result import Fit
-from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.machine_memory import SMALLEST_FRICTION
 from bdt_twin.noise_levels import is_restless
 from bdt_twin.wave_problem import WaveProblem
@@ -48,8 +47,7 @@ def doubted(
     if is_first:
         uncertainty *= FIRST_DOUBT
     # Without friction cogging is no secret: it moves the motor from well to well.
-    friction = float(fit.unknowns.effects[EFFECTS.index("friction_voltage")])
-    if window.cogs or friction < SMALLEST_FRICTION or not any(fit.levels[1:]):
+    if window.cogs or fit.unknowns.friction < SMALLEST_FRICTION or not any(fit.levels[1:]):
         return uncertainty
     if is_restless(fit.levels):
         uncertainty *= math.sqrt(1.0 + ALIKE / reversals)

@@ -185,13 +185,13 @@ class WindowFit:
         return _Point(unknowns, responses, residual, deviation)
 
     def _levels(self, point: _Point, levels: NoiseLevels, most: int) -> FittedLevels:
-        friction = float(point.unknowns.effects[EFFECTS.index("friction_voltage")])
+        variation = FRICTION_VARIATION * point.unknowns.friction
         return fitted_levels(
             lambda tried: point.whitening(tried, PUSHED),
             point.residual,
             levels,
             most,
-            FRICTION_VARIATION * friction * self._window.travel_per_volt(point.unknowns),
+            variation * self._window.travel_per_volt(point.unknowns),
         )
 
     def _step(self, point: _Point, whitening: Whitening) -> FloatArray:

@@ -39,6 +39,11 @@ class Unknowns:
     initial_conditions: FloatArray
     effects: FloatArray = field(default_factory=lambda: np.zeros(len(EFFECTS)))
 
+    @property
+    def friction(self) -> float:
+        """Voltage that the motor's Coulomb friction takes [V]."""
+        return float(self.effects[EFFECTS.index("friction_voltage")])
+
     def as_vector(self) -> FloatArray:
         """Return all of them in one array."""
         parts = (self.gaps, self.factors, self.effects, self.initial_conditions.ravel())

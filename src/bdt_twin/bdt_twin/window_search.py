@@ -11,6 +11,7 @@ from bdt_twin.fit_doubt import is_surprised
 from bdt_twin.fit_result import Fit
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import MachineKnowledge
+from bdt_twin.machine_memory import SMALLEST_FRICTION
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import EXPLAINED, is_restless, is_slight, quiet
 from bdt_twin.output_error_fit import WindowFit
@@ -32,7 +33,7 @@ MOST_SAMPLES = 240_000
 FEWEST_SIMULATIONS = 9
 """Simulations that a fit may make, however long the window is."""
 ROUGH_SIMULATIONS = 6
-"""Simulations of a fit to which the machine's noise is not known yet."""
+"""Simulations of a fit to which the machine's noise is not known yet, or that is tried besides."""
 COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
 """Lowest rates at which a beginning is chosen [Hz]: motor and structure are hardly faster."""
 WORSE = 2.0
@@ -92,9 +93,8 @@ def fit_window(
     enough = _enough(window, error)
     # What a model explains is not taken for a walk of the motor only because it was before.
     may_rest = levels is not None and is_restless(levels)
-    first = levels
-    if levels is not None and (may_rest or is_slight(levels)):
-        first = quiet(levels)
+    rested = None if levels is None else quiet(levels)
+    first = rested if levels is None or may_rest or is_slight(levels) else levels
     follow = partial(
         problem.solve,
         steps=FINE,
@@ -103,15 +103,17 @@ def fit_window(
         patience=PREDICTION_SIMULATIONS,
         enough=enough,
     )
+    again = partial(problem.solve, steps=FINE, simulations=ROUGH_SIMULATIONS)
     followed = follow(predicted)
+    if first is not rested and predicted.friction < SMALLEST_FRICTION:
+        # Without friction there is little that lets a motor walk: rather, a fit ended too early.
+        followed = _better(followed, again(predicted, levels=rested))
     if may_rest and followed.prediction_error > QUIETER_ERROR * error:
-        walking = problem.solve(predicted, FINE, ROUGH_SIMULATIONS, levels=levels)
-        followed = _better(followed, walking)
+        followed = _better(followed, again(predicted, levels=levels))
     if may_rest and followed.prediction_error > error:
         # Where a motor that walks is in its gap was a guess already, and may be a wrong one.
         begun = _in_the_middle_of_the_gap(predicted)
-        middle = problem.solve(begun, FINE, ROUGH_SIMULATIONS, levels=first)
-        followed = _better(followed, middle)
+        followed = _better(followed, again(begun, levels=rested))
     # A push that nobody gave may explain the newest data, but not as well.
     is_worse = not may_rest and followed.prediction_error > WORSE_ERROR * error
     if otherwise is not None and (is_worse or leaves_newest_unexplained(window, followed)):
