@@ -23,6 +23,7 @@ from bdt_twin.fit_result import Fit
 from bdt_twin.gap_doubt import doubted
 from bdt_twin.gap_knowledge import GapKnowledge
 from bdt_twin.gap_of_fit import answered_reversals, gap_at, growth_at, growth_change_of
+from bdt_twin.growth_knowledge import GrowthKnowledge
 from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
 from bdt_twin.machine_memory import MachineMemory, MachineRecollection
 from bdt_twin.model_factors import FACTORS, check_room
@@ -129,12 +130,13 @@ class OutputErrorEstimator:
 
     def _forget_fits(self) -> None:
         self.last_fit: AcceptedFit | None = None
-        self._walks, self._growth_change = False, self._settings.growth_change
+        self._walks = False
         self._predecessor: Predecessor | None = None
         self._moves_from = math.inf
         self._error = math.inf
         self._check, self._held = AnswerCheck(self._settings.largest_uncertainty), 0
         self._gap = GapKnowledge(self._settings.largest_uncertainty)
+        self._growth = GrowthKnowledge(self._settings.growth_change)
         self._machine = MachineMemory(self._model.motor)
         if self._recalled is not None:
             self._machine.recall(*self._recalled)
@@ -214,7 +216,7 @@ class OutputErrorEstimator:
         block = self._block // every
         averaged = [stretch.averaged(every, block) for stretch in stretches]
         window = WindowModel(self._model, averaged, knots, rate / every, block, self._machine.cogs)
-        window, fit = next_fit(window, self._predecessor, self._machine, self._growth_change)
+        window, fit = next_fit(window, self._predecessor, self._machine, self._growth.change)
         estimate = self._validate(window, fit, newest)
         if estimate.reason:
             self._try_cogging(window, fit)
@@ -222,7 +224,7 @@ class OutputErrorEstimator:
 
     def _try_cogging(self, window: WindowModel, fit: Fit) -> None:
         """Look further for what explains a window that has taught nothing."""
-        found = self._trials.advance(window, fit, self._machine, self._growth_change)
+        found = self._trials.advance(window, fit, self._machine, self._growth.change)
         if found is not None:
             self._machine.begin_anew(found.cogs, found.present)
             self._predecessor, self._held = found.window, 0
@@ -244,6 +246,7 @@ class OutputErrorEstimator:
         is_first = self._recalled is None and at < self._moves_from + FIRST_MOTIONS
         uncertainty = doubted(window, fit, at, uncertainty, len(reversals), is_first=is_first)
         growth, growth_uncertainty = growth_at(window, fit, at)
+        sudden = self._growth.sudden(stamp, growth, growth_uncertainty)
         before, self._error = self._error, fit.prediction_error
         # A fit that had to begin anew may have found a bad one; the next window tells.
         is_surprised = leaves_newest_unexplained(window, fit) or explains_worse(window, fit, before)
@@ -251,7 +254,7 @@ class OutputErrorEstimator:
         doubt = self._check.doubt(
             gap,
             uncertainty,
-            self._gap.expected(stamp, self._growth_change),
+            self._gap.expected(stamp, self._growth.change),
             fit.levels,
             at=at,
             pushed=fixed_order.mean(fit.pushed),
@@ -268,29 +271,29 @@ class OutputErrorEstimator:
         estimate = Estimate(
             time=stamp,
             gap=gap,
-            uncertainty=uncertainty,
+            # A gap that has jumped does not grow from knot to knot: it is that at either of them.
+            uncertainty=math.hypot(uncertainty, 0.5 * self._settings.knot_spacing * sudden),
             growth=growth,
-            growth_uncertainty=growth_uncertainty,
+            growth_uncertainty=math.hypot(growth_uncertainty, sudden),
             gain_correction=gain,
             reversals=len(reversals),
             age=time - stamp,
         )
         if doubt.reason:
             if doubt.is_rough:
-                self._gap.learn_roughly(estimate, self._growth_change)
+                self._gap.learn_roughly(estimate, self._growth.change)
             return self._hold_estimate(time, doubt.reason)
         offset = self._machine.voltage_offset(fit.machine)
         if offset is not None:
             estimate = estimate._replace(
                 voltage_offset=offset.voltage, voltage_offset_uncertainty=offset.uncertainty
             )
+        self._growth.learn(estimate, sudden, growth_change_of(window, fit))
         estimate = self._gap.learn(estimate)
         self.last_fit = AcceptedFit(window, fit, estimate)
-        # A gap that rises and falls is not held to the even growth of wear.
-        self._growth_change = max(self._settings.growth_change, growth_change_of(window, fit))
         self._machine.learn(newest / self._rate, fit.machine)
         return estimate
 
     def _hold_estimate(self, time: float, reason: str) -> Estimate:
         """Return what is known of the gap, as unsure as it is for a window that ends at `time`."""
-        return self._gap.held(time, reason, self._growth_change)
+        return self._gap.held(time, reason, self._growth.change)
