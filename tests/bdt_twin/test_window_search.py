@@ -137,14 +137,19 @@ def test_a_motor_that_walks_may_be_anywhere_in_its_gap(closed_loop, monkeypatch)
 
 
 @pytest.mark.parametrize(
-    ("walk", "friction", "begins"),
-    [(0.2, 0.0, [0.0]), (1.0, 0.0, [1.0, 1.0 / 12.0]), (1.0, 0.1, [1.0])],
-    ids=["slight", "neither slight nor large", "of friction"],
+    ("walk", "friction", "cogs", "begins"),
+    [
+        (0.2, 0.0, 0, [0.0]),
+        (1.0, 0.0, 0, [1.0, 1.0 / 12.0]),
+        (1.0, 0.1, 0, [1.0]),
+        (1.0, 0.0, 24, [1.0]),
+    ],
+    ids=["slight", "neither slight nor large", "of friction", "of cogging"],
 )
-def test_a_walk_without_friction_is_tried_and_a_quieter_one_besides(
-    closed_loop, monkeypatch, walk, friction, begins
+def test_a_walk_without_a_reason_is_tried_and_a_quieter_one_besides(
+    closed_loop, monkeypatch, walk, friction, cogs, begins
 ):
-    window = window_of(closed_loop(12.0), begin=3100)
+    window = window_of(closed_loop(12.0), begin=3100).with_cogs(cogs)
     found = fit_window(window, GROWTH_CHANGE, KNOWN)
     effects = found.unknowns.effects.copy()
     effects[EFFECTS.index("friction_voltage")] = friction

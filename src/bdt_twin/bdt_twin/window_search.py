@@ -105,8 +105,8 @@ def fit_window(
     )
     again = partial(problem.solve, steps=FINE, simulations=ROUGH_SIMULATIONS)
     followed = follow(predicted)
-    if first is not rested and predicted.friction < SMALLEST_FRICTION:
-        # Without friction there is little that lets a motor walk: rather, a fit ended too early.
+    if first is not rested and not window.cogs and predicted.friction < SMALLEST_FRICTION:
+        # There is little that lets such a motor walk: rather, a fit ended too early.
         followed = _better(followed, again(predicted, levels=rested))
     if may_rest and followed.prediction_error > QUIETER_ERROR * error:
         followed = _better(followed, again(predicted, levels=levels))
