@@ -33,6 +33,7 @@ setup(
     entry_points={
         "console_scripts": [
             "bdt = bdt_bringup.program:main",
+            "controlled_driver = bdt_bringup.controlled_driver:main",
         ],
         "bdt.command": [
             "config = bdt_bringup.commands.config:COMMAND",

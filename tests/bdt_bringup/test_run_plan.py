@@ -96,9 +96,28 @@ def test_a_real_machine_takes_the_place_of_the_plant_and_lives_in_wall_time(tmp_
     ("changes", "line"),
     [
         ({"mode": "lockstep"}, "--mode lockstep: a real machine does not wait"),
-        ({"processes": "single"}, "--processes single: a real machine's driver"),
+        ({"processes": "single"}, "--processes single: a real machine's driver .* or shared"),
     ],
 )
 def test_a_real_machine_does_not_wait_and_has_a_process_of_its_own(changes, line):
     with pytest.raises(BadInputError, match=line):
         plan(config=CONFIG / "serial_drive.yaml", **changes)
+
+
+def test_each_node_has_a_process_unless_the_driver_takes_the_controller_into_its_own():
+    machine = CONFIG / "serial_drive.yaml"
+    assert plan(config=machine).modules == {
+        "controller": "bdt_controller.controller_node",
+        "twin": "bdt_twin.twin_node",
+        "recorder": "bdt_bags.recorder.recorder_node",
+        "driver": "bdt_driver.driver_node",
+    }
+    shared = plan(config=machine, processes="shared")
+    assert shared.nodes == ["controller", "twin", "recorder", "driver"]
+    assert list(shared.modules) == ["twin", "recorder", "driver"]
+    assert shared.modules["driver"] == "bdt_bringup.controlled_driver"
+
+
+def test_a_process_for_driver_and_controller_needs_a_driver():
+    with pytest.raises(BadInputError, match="--processes shared: there is no driver"):
+        plan(config=CONFIG / "paper.yaml", processes="shared")

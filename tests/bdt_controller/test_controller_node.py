@@ -3,6 +3,7 @@
 import itertools
 import math
 import os
+from functools import partial
 
 import pytest
 from rclpy.node import Node
@@ -274,6 +275,15 @@ def test_two_controllers_are_noticed_and_named_once(ros):
     health = bench.controller._health()
     assert not health.ok
     assert health.summary == "more than one publisher of command, reference"
+
+
+def test_a_second_controller_of_a_topic_with_another_name_is_told_apart(ros):
+    remapped = ["--ros-args", "-r", "command:=/voltage"]
+    first, second = (ros.create(partial(ControllerNode, cli_args=remapped)) for _ in range(2))
+    ros.spin_until(lambda: first.count_publishers("/voltage") == 2)
+    assert first._command_source() != second._command_source()
+    found = first._admission.complete(first._health()).values["topics_with_several_publishers"]
+    assert found.startswith("command: /controller, /controller")
 
 
 def test_the_reference_is_published_when_it_changes_and_kept_for_late_listeners(ros):

@@ -35,9 +35,11 @@ def machine(tmp_path):
         emulator.terminate()
 
 
-def test_a_run_arms_the_machine_records_it_and_ends(machine, tmp_path):
+@pytest.mark.parametrize("processes", ["separate", "shared"])
+def test_a_run_arms_the_machine_records_it_and_ends(processes, machine, tmp_path):
     output = tmp_path / "run"
     options = ["--config", machine[0], "--duration", "5", "--output", output, "--json"]
+    options += ["--processes", processes]
     command = [*BDT, "run", *map(str, options)]
     done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=DEADLINE)
     assert done.returncode == 0, done.stderr
@@ -47,6 +49,7 @@ def test_a_run_arms_the_machine_records_it_and_ends(machine, tmp_path):
     said = (output / "log" / "driver.log").read_text(encoding="utf-8")
     assert "the drive is armed" in said
     assert "the drive is open" in said
+    assert (output / "log" / "controller.log").exists() == (processes == "separate")
 
 
 def test_a_device_that_is_gone_ends_the_run_with_one_line(machine, tmp_path):

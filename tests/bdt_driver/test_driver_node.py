@@ -1,5 +1,6 @@
 """The driver node: services, topics, times, diagnostics; the controller drives a carriage."""
 
+import itertools
 import os
 
 import numpy as np
@@ -208,6 +209,42 @@ def test_garbage_waits_until_the_command_is_applied(peer, monkeypatch):
     peer.answer(5.0)
     peer.ros.spin_until(lambda: "command" in done)
     assert done[done.index("command") + 1] == "slack"
+
+
+def test_telemetry_waits_until_the_command_is_applied(peer, monkeypatch):
+    done = []
+
+    def note(owner, name):
+        original = getattr(owner, name)
+        monkeypatch.setattr(owner, name, lambda *given: [done.append(name), original(*given)][1])
+
+    def answered():
+        if peer.measurements() and "tick" in done[-1:]:
+            peer.answer(5.0)
+        return ("command", "publish") in itertools.pairwise(done)
+
+    peer.node._batch = 1
+    peer.ros.spin_until(lambda: "read" in peer.drive.calls)
+    peer.call("arm")
+    for owner, name in (
+        (peer.node._loop, "tick"),
+        (peer.node._loop, "command"),
+        (peer.node._telemetry, "publish"),
+    ):
+        note(owner, name)
+    peer.ros.spin_until(answered)
+
+
+def test_telemetry_goes_on_when_no_command_comes(peer):
+    peer.ros.spin_until(lambda: "read" in peer.drive.calls)
+    peer.call("arm")
+    peer.ros.spin_until(peer.measurements)
+    peer.answer(5.0)
+    peer.ros.spin_until(lambda: peer.drive.written)
+    before = len(peer.batches())
+    peer.ros.spin_until(lambda: len(peer.batches()) > before + 2)
+    for batch in peer.batches():
+        np.testing.assert_allclose(np.diff(batch[:, 0]), 1 / RATE, atol=1e-6)
 
 
 def test_a_priority_that_is_refused_is_a_warning_and_the_drive_is_driven(ros, monkeypatch):

@@ -80,6 +80,17 @@ def test_a_file_that_holds_nothing_for_a_node_is_named_with_its_sections(tmp_pat
     )
 
 
+def test_a_file_for_one_of_the_nodes_of_a_process_is_used(tmp_path):
+    path = write(tmp_path, "driver: {ros__parameters: {}}\n")
+    other = write(tmp_path, "plant: {ros__parameters: {}}\n", "other.yaml")
+    arguments = ["--ros-args", "--params-file", path, "--params-file", other]
+    (line,) = unused_files(arguments, "/controller", "/driver")
+    assert line == (
+        f"parameter file {other}: holds nothing for /controller or /driver, its sections are "
+        "plant; a section /**/controller or /**/driver is for this node in any namespace"
+    )
+
+
 def test_an_empty_file_holds_nothing(tmp_path):
     path = write(tmp_path, "")
     (line,) = unused_files(["--ros-args", "--params-file", path], "/twin")

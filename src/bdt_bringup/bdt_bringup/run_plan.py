@@ -6,13 +6,23 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
+from bdt_bringup import controlled_driver
 from bdt_bringup.configuration import Configuration
-from bdt_bringup.installed import PACKAGE_OF_NODE, missing_packages
+from bdt_bringup.installed import PACKAGE_OF_NODE, missing_packages, node_module
 from bdt_bringup.loop_state import MACHINES
 from bdt_msgs_py.command_errors import BadInputError
 from bdt_msgs_py.loop_namespace import namespace_arguments
 from bdt_msgs_py.parameter_tables import ros_arguments
-from bdt_msgs_py.topics import DRIVER_NODE, PLANT_NODE, RECORDER_NODE, TWIN_NODE
+from bdt_msgs_py.topics import (
+    CONTROLLER_NODE,
+    DRIVER_NODE,
+    PLANT_NODE,
+    RECORDER_NODE,
+    TWIN_NODE,
+)
+
+Processes = Literal["separate", "shared", "single"]
+"""One for each node; one for driver and controller, one for each other node; one for all."""
 
 DEFAULT_DURATION = 120.0
 """Simulated time of the paper's scenario [s], for a configuration that sets none."""
@@ -31,7 +41,7 @@ class RunPlan:
     duration : float
         Simulated time, or the time for which a real machine is armed [s].
     processes : str
-        ``separate`` or ``single``.
+        ``separate``, ``shared`` or ``single``.
     output : Path
         Folder of the run: bag, logs, report.
     recorder : mapping of str, or None
@@ -46,7 +56,7 @@ class RunPlan:
     configuration: Configuration
     mode: str
     duration: float
-    processes: Literal["separate", "single"]
+    processes: Processes
     output: Path
     recorder: Mapping[str, Any] | None
     supervise: bool = False
@@ -73,6 +83,18 @@ class RunPlan:
         others = set(MACHINES) - {self.machine}
         left_out = others if self.record else others | {RECORDER_NODE}
         return [name for name in PACKAGE_OF_NODE if name not in left_out]
+
+    @property
+    def modules(self) -> dict[str, str]:
+        """Modules that processes of their own run, by the names of their nodes, as they start.
+
+        A driver that shares its process with the controller stands for both.
+        """
+        modules = {name: node_module(name) for name in self.nodes}
+        if self.processes == "shared":
+            del modules[CONTROLLER_NODE]
+            modules[DRIVER_NODE] = controlled_driver.__name__
+        return modules
 
     @property
     def machine(self) -> str:
@@ -128,7 +150,7 @@ def plan_run(
     *,
     mode: str | None,
     duration: float | None,
-    processes: Literal["separate", "single"],
+    processes: Processes,
     output: Path | None,
     recorder: Mapping[str, Any] | None,
     supervise: bool = False,
@@ -139,14 +161,20 @@ def plan_run(
     ------
     BadInputError
         For a duration that is not positive, an output folder that already holds something, a node
-        that is not installed, or supervision in a single process.
+        that is not installed, supervision in a single process, or a process that driver and
+        controller share where there is no driver.
     """
     chosen = duration
     is_real = configuration.machine == DRIVER_NODE
     if is_real and mode == "lockstep":
         raise BadInputError("--mode lockstep: a real machine does not wait; must be realtime")
     if is_real and processes == "single":
-        raise BadInputError("--processes single: a real machine's driver has one of its own")
+        raise BadInputError(
+            "--processes single: a real machine's driver waits for nobody but the controller; "
+            "must be separate or shared"
+        )
+    if not is_real and processes == "shared":
+        raise BadInputError("--processes shared: there is no driver, the machine is simulated")
     if chosen is None:
         in_file = None if is_real else configuration.value(PLANT_NODE, "duration")
         chosen = in_file or DEFAULT_DURATION

@@ -4,7 +4,6 @@ import sys
 import time
 from collections import defaultdict
 
-from bdt_bringup.installed import node_module
 from bdt_bringup.node_process import NodeProcess, stop_all
 from bdt_bringup.restart_policy import MOST_RESTARTS, PERIOD, RestartPolicy
 from bdt_bringup.run_plan import RunPlan
@@ -22,6 +21,7 @@ class Supervisor:
 
     def __init__(self, plan: RunPlan) -> None:
         self._plan = plan
+        self._modules = plan.modules
         self._logs = plan.output / "log"
         self._logs.mkdir()
         self._running: dict[str, NodeProcess] = {}
@@ -31,7 +31,7 @@ class Supervisor:
 
     def start_all(self) -> None:
         """Start all nodes, the machine last."""
-        for name in self._plan.nodes:
+        for name in self._modules:
             self._start(name)
 
     @property
@@ -74,7 +74,7 @@ class Supervisor:
         self._lives[name] += 1
         arguments = self._plan.ros_arguments(name, self._lives[name])
         log = self._logs / f"{name}.log"
-        self._running[name] = NodeProcess(name, node_module(name), arguments, log)
+        self._running[name] = NodeProcess(name, self._modules[name], arguments, log)
 
     def _plan_restart(self, process: NodeProcess, now: float) -> None:
         delay = self._policies[process.name].died(now)

@@ -155,7 +155,7 @@ class ControllerNode(Node):
         perhaps by a node of the same name, the plant has to tell this one apart.
         """
         name = self.get_fully_qualified_name()
-        alone = self.count_publishers(COMMAND.name) <= 1
+        alone = self.count_publishers(self._command_publisher.topic_name) <= 1
         return name if alone else f"{name} {secrets.token_hex(4)}"
 
     def _expect_restart(self, _jump: TimeJump) -> None:

@@ -49,7 +49,7 @@ class StandBy:
         now = time.monotonic()
         if not self._is_decided:
             self._is_decided = True
-            if self._node.count_publishers(COMMAND.name) > 1:
+            if self._node.count_publishers(self._node.resolve_topic_name(COMMAND.name)) > 1:
                 self._heard_at = now
                 self._subscription = self._node.create_subscription(
                     JointState, COMMAND.name, self._hear, qos_profile(COMMAND)

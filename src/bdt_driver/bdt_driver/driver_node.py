@@ -113,19 +113,23 @@ class DriverNode(Node):
             self._publish(read)
         self._tell_fault()
         if not self._loop.is_engaged:
-            self._process.use_slack()  # else once the command has come
+            self._use_slack()  # else once the command has come
 
     def _publish(self, read: NumberedReading) -> None:
+        self._publish_full_batch()  # of which no command has let it go
         if self._first_stamp is None:
             self._first_stamp = self.get_clock().now().nanoseconds - read.nanoseconds
         # Times since the first reading keep the last digits of a double.
         time_since = self._sampling.add(read.number, read.nanoseconds * 1e-9, read.reading)
         if time_since is not None and self._loop.state is State.ARMED:
             self._ask(self._first_stamp + round(time_since * 1e9), read.reading.position)
-        if len(self._rows) >= self._batch:
-            for batch in self._rows.take():
-                batch[:, 0] += self._first_stamp * 1e-9
-                self._telemetry.publish(sample_message(batch, TELEMETRY_COLUMNS))
+
+    def _publish_full_batch(self) -> None:
+        if self._first_stamp is None or len(self._rows) < self._batch:
+            return
+        for batch in self._rows.take():
+            batch[:, 0] += self._first_stamp * 1e-9
+            self._telemetry.publish(sample_message(batch, TELEMETRY_COLUMNS))
 
     def _ask(self, stamp: int, position: float) -> None:
         """Publish a measurement, and await its answer until it is too old."""
@@ -143,7 +147,12 @@ class DriverNode(Node):
         if is_new:
             self._loop.command(command.voltage, time.monotonic())
             self._tell_fault()
-            self._process.use_slack()
+            self._use_slack()
+
+    def _use_slack(self) -> None:
+        """Do what the answer to a measurement must not wait for."""
+        self._publish_full_batch()
+        self._process.use_slack()
 
     # States --------------------------------------------------------------------------------
 

@@ -10,8 +10,12 @@ from rclpy.node import Node
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.topics import DIAGNOSTICS
 
-PERIOD = 1.0
-"""Time between two messages [s]."""
+PERIOD = 0.9871
+"""Time between two messages [s]: about one.
+
+It is no multiple of a usual control period. A timer that is one comes due at the same place of a
+period each time, and where that lies between a measurement and its command, it delays each of them.
+"""
 
 
 class Health(NamedTuple):

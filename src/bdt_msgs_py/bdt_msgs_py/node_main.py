@@ -33,8 +33,9 @@ def run_node(
     spin: Callable[[SingleThreadedExecutor, NodeType], None] = spin_until_finished,
     *,
     is_configured: bool = True,
+    beside: Sequence[Callable[[], Node]] = (),
 ) -> int:
-    """Run one node until it finishes or a signal stops it; the process is to end after that.
+    """Run a node until it finishes or a signal stops it; the process is to end after that.
 
     Parameters
     ----------
@@ -49,6 +50,9 @@ def run_node(
         Whether a parameter file without anything for the node is refused: it would run on
         defaults where somebody meant other values. False for a node that needs none of a loop's
         parameters, and only says that a file shared with the loop holds nothing for it.
+    beside : sequence of callable
+        Return further nodes of the process, which share the executor: made before the node,
+        destroyed after it. A parameter file has to hold something for one of them.
 
     Returns
     -------
@@ -61,12 +65,16 @@ def run_node(
     except RuntimeError as error:
         return complain(error, BAD_INPUT)
     executor = SingleThreadedExecutor()
-    node: NodeType | None = None
+    nodes: list[Node] = []
     try:
         try:
+            # Piece by piece: what is there when one cannot be made is destroyed.
+            nodes.extend(make() for make in beside)
             node = create()
-            _check_parameter_files(node, sys.argv if args is None else args, is_configured)
-            executor.add_node(node)
+            nodes.append(node)
+            _check_parameter_files(nodes, sys.argv if args is None else args, is_configured)
+            for each in nodes:
+                executor.add_node(each)
             spin(executor, node)
         finally:
             interrupt.work_is_over()
@@ -82,15 +90,17 @@ def run_node(
             raise
     finally:
         executor.shutdown()
-        if node is not None:
-            node.destroy_node()
+        for each in reversed(nodes):
+            each.destroy_node()
         rclpy.try_shutdown()
     return 0
 
 
-def _check_parameter_files(node: Node, arguments: Sequence[str], is_configured: bool) -> None:
-    lines = unused_files(arguments, node.get_fully_qualified_name())
+def _check_parameter_files(
+    nodes: Sequence[Node], arguments: Sequence[str], is_configured: bool
+) -> None:
+    lines = unused_files(arguments, *(node.get_fully_qualified_name() for node in nodes))
     if lines and is_configured:
         raise BadInputError(lines[0])
     for line in lines:
-        node.get_logger().warning(line)
+        nodes[-1].get_logger().warning(line)

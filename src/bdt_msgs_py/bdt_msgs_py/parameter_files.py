@@ -169,30 +169,32 @@ def is_for(section: str, node: str) -> bool:
     return re.fullmatch(pattern, node) is not None
 
 
-def unused_files(arguments: Sequence[str], node: str) -> list[str]:
-    """Return a line for each parameter file on a command line that holds nothing for a node.
+def unused_files(arguments: Sequence[str], *nodes: str) -> list[str]:
+    """Return a line for each parameter file on a command line that holds nothing for its nodes.
 
     Parameters
     ----------
     arguments : sequence of str
-        Command line of the node's process, ROS arguments included.
-    node : str
-        Fully qualified name of the node.
+        Command line of the nodes' process, ROS arguments included.
+    *nodes : str
+        Fully qualified names of the nodes, mostly of one.
 
     Raises
     ------
     BadInputError
         If a file cannot be read or is not YAML.
     """
+    names = " or ".join(nodes)
+    possible = " or ".join(f"/**/{node.rpartition('/')[2]}" for node in nodes)
     lines = []
     for path in _parameter_files(arguments):
         found = sections(path)
-        if any(is_for(section, node) for section in found):
+        if any(is_for(section, node) for section in found for node in nodes):
             continue
         has = f"its sections are {', '.join(found)}" if found else "it has no sections"
         lines.append(
-            f"parameter file {path}: holds nothing for {node}, {has}; "
-            f"a section /**/{node.rpartition('/')[2]} is for this node in any namespace"
+            f"parameter file {path}: holds nothing for {names}, {has}; "
+            f"a section {possible} is for this node in any namespace"
         )
     return lines
 

@@ -52,6 +52,9 @@ def test_each_statistic_of_the_loop_stands_beside_that_of_the_timer(monkeypatch)
     assert (missed.value, missed.reference_value, missed.ratio) == (2.0, 0.0, None)
     assert times[2].unit == "us, p99.9: the loop, 500 Hz, ordinary"
     assert {row.reference for row in times} == {"timer alone; refused"}
+    units = [row.unit for row in real_time.real_time(BRIEF)]
+    shared = "us, p99.9: the loop, driver and controller in one process, 500 Hz, priority 40"
+    assert shared in units
 
 
 @pytest.mark.parametrize("priority", [0, real_time.PRIORITY])
@@ -75,8 +78,9 @@ def test_a_timer_and_bytes_are_measured_in_processes_of_their_own():
         assert series.refusals == []
 
 
-def test_the_loop_of_the_nodes_answers_the_drive():
-    series = real_time.loop_answers(RATE, 0.5, 0)
+@pytest.mark.parametrize("processes", real_time.LOOPS)
+def test_the_loop_of_the_nodes_answers_the_drive(processes):
+    series = real_time.loop_answers(RATE, 0.5, 0, processes)
     assert len(series.times) > 10  # of 100 or more, on a computer that has time
     assert np.min(series.times) > 0.0
 

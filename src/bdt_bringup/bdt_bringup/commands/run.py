@@ -49,9 +49,10 @@ def _add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--processes",
-        choices=("separate", "single"),
+        choices=("separate", "shared", "single"),
         default="separate",
-        help="one process for each node (default), or all nodes in one",
+        help="one process for each node (default); one that driver and controller of a real "
+        "machine share, so that a command comes sooner; or all nodes in one",
     )
     parser.add_argument(
         "--supervise",

@@ -1,7 +1,8 @@
 """The loop in real time: from a measurement to its command, with recorder and twin running.
 
 Driver, controller, twin and recorder run as `bdt run` starts them, around a drive that notes its
-own times. Beside it stand the same exchange in bare bytes and a timer that does nothing else.
+own times: each in a process of its own, or driver and controller in one. Beside it stand the same
+exchange in bare bytes and a timer that does nothing else.
 """
 
 import tempfile
@@ -27,6 +28,8 @@ DRIVE = "bdt_study.benchmarks.timed_drive:TimedDrive"
 
 RATES = (500.0, 1000.0)
 """Control rates [Hz]."""
+LOOPS = {"separate": "the loop", "shared": "the loop, driver and controller in one process"}
+"""What is measured, by the processes that `bdt run` is asked for."""
 PRIORITY = 40
 """Priority of all that runs in real time: below the threads of the kernel, which have 50."""
 WARM_UP = 0.5
@@ -70,8 +73,9 @@ def real_time(size: BenchmarkSize) -> list[BenchmarkResult]:
             timer = timer_lateness(rate, size.real_time_duration, priority)
             case = f"{rate:g} Hz, {f'priority {priority}' if priority else 'ordinary'}"
             floor = "; ".join(["timer alone", *timer.refusals])
-            loop = loop_answers(rate, size.real_time_duration, priority)
-            results += _beside(timer, floor, loop, f"the loop, {case}")
+            for shares, what in LOOPS.items():
+                loop = loop_answers(rate, size.real_time_duration, priority, shares)
+                results += _beside(timer, floor, loop, f"{what}, {case}")
             if find_spec("cyclonedds") is not None:
                 echo = byte_echoes(rate, size.real_time_duration, priority)
                 results += _beside(timer, floor, echo, f"bare bytes, {case}")
@@ -102,13 +106,26 @@ def byte_echoes(rate: float, duration: float, priority: int) -> Series:
         return _series(result(sender), rate, duration)
 
 
-def loop_answers(rate: float, duration: float, priority: int) -> Series:
-    """Return how long it takes from reading the drive to its command, in a run of the nodes."""
+def loop_answers(rate: float, duration: float, priority: int, shares: str) -> Series:
+    """Return how long it takes from reading the drive to its command, in a run of the nodes.
+
+    Parameters
+    ----------
+    rate : float
+        Control rate [Hz].
+    duration : float
+        How long [s].
+    priority : int
+        Priority of driver and controller; 0 for ordinary processes.
+    shares : str
+        ``separate`` or ``shared``: what `bdt run` is told of processes.
+    """
     with tempfile.TemporaryDirectory() as folder:
         file, configuration = Path(folder) / "times.npy", Path(folder) / "real_time.yaml"
         configuration.write_text(yaml.safe_dump(parameters(rate, priority, file)))
         options = ["--config", str(configuration), "--duration", f"{duration + WARM_UP}"]
-        output_of([*PROGRAM, "run", *options, "--output", str(Path(folder) / "run")])
+        options += ["--processes", shares, "--output", str(Path(folder) / "run")]
+        output_of([*PROGRAM, "run", *options])
         return answered(np.load(file), rate)
 
 
