@@ -9,7 +9,6 @@ from types import SimpleNamespace
 import pytest
 from running_loops import DEADLINE, alive, bdt, children, finished, wait_for, wait_for_the_loop
 
-import bdt_bringup.supervisor
 from bdt_bringup.supervisor import Supervisor
 from bdt_msgs_py.command_errors import BadInputError, LoopError
 
@@ -123,7 +122,6 @@ def test_a_loop_in_one_process_cannot_be_supervised(tmp_path):
 def supervisor(tmp_path, monkeypatch):
     """Return a function that supervises a node whose main is given, beside a plant that stays."""
     monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
-    monkeypatch.setattr(bdt_bringup.supervisor, "node_module", lambda name: f"pretended_{name}")
     (tmp_path / "pretended_plant.py").write_text("import time\ndef main(_):\n    time.sleep(600)\n")
     created = []
 
@@ -133,7 +131,7 @@ def supervisor(tmp_path, monkeypatch):
             output=tmp_path,
             supervise=restart,
             machine="plant",
-            nodes=["twin", "plant"],
+            modules={name: f"pretended_{name}" for name in ("twin", "plant")},
             ros_arguments=lambda name, life: [f"{name}:={life}"],
         )
         created.append(Supervisor(plan))

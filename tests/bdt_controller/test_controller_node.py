@@ -282,6 +282,7 @@ def test_a_second_controller_of_a_topic_with_another_name_is_told_apart(ros):
     first, second = (ros.create(partial(ControllerNode, cli_args=remapped)) for _ in range(2))
     ros.spin_until(lambda: first.count_publishers("/voltage") == 2)
     assert first._command_source() != second._command_source()
+    assert second._stand_by.look(0)
     found = first._admission.complete(first._health()).values["topics_with_several_publishers"]
     assert found.startswith("command: /controller, /controller")
 

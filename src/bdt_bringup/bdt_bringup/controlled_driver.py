@@ -56,7 +56,8 @@ class ControlledDriver:
         values = {f"real_time.{name}": value for name, value in asdict(RealTimeSettings()).items()}
         values[USE_SIM_TIME] = False
         own = [Parameter(name, value=value) for name, value in values.items()]
-        return kind(parameter_overrides=[*parameter_overrides, *own], **node_arguments)
+        node: Node = kind(parameter_overrides=[*parameter_overrides, *own], **node_arguments)
+        return node
 
     def driver(self, **node_arguments: Any) -> Node:
         """Return the driver."""
@@ -67,7 +68,8 @@ class ControlledDriver:
             takes=COMMAND,
             hears_others=True,
         )
-        return kind(**node_arguments)
+        node: Node = kind(**node_arguments)
+        return node
 
 
 def main(args: list[str] | None = None) -> None:

@@ -8,8 +8,6 @@ others get the message from its topic when the answer has been given.
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.node import Node
-
 from bdt_msgs_py.topics import Topic
 
 Taker = Callable[[Any], object]
@@ -82,8 +80,8 @@ class HandingPublisher:
 
 
 def handing_node(
-    kind: type[Node], hand_over: HandOver, *, gives: Topic, takes: Topic, hears_others: bool
-) -> Callable[..., Node]:
+    kind: type[Any], hand_over: HandOver, *, gives: Topic, takes: Topic, hears_others: bool
+) -> Callable[..., Any]:
     """Return a kind of node that exchanges two topics within its process.
 
     Parameters
@@ -99,7 +97,7 @@ def handing_node(
         What comes from this one it gets a second time then.
     """
 
-    class HandingNode(kind):  # type: ignore[misc,valid-type]
+    class HandingNode(kind):  # type: ignore[misc]
         def create_publisher(self, msg_type: Any, topic: str, *given: Any, **options: Any) -> Any:
             publisher = super().create_publisher(msg_type, topic, *given, **options)
             return (

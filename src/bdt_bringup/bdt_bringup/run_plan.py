@@ -6,7 +6,6 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
-from bdt_bringup import controlled_driver
 from bdt_bringup.configuration import Configuration
 from bdt_bringup.installed import PACKAGE_OF_NODE, missing_packages, node_module
 from bdt_bringup.loop_state import MACHINES
@@ -23,6 +22,9 @@ from bdt_msgs_py.topics import (
 
 Processes = Literal["separate", "shared", "single"]
 """One for each node; one for driver and controller, one for each other node; one for all."""
+
+CONTROLLED_DRIVER = "bdt_bringup.controlled_driver"
+"""Module of the process that driver and controller share."""
 
 DEFAULT_DURATION = 120.0
 """Simulated time of the paper's scenario [s], for a configuration that sets none."""
@@ -93,7 +95,7 @@ class RunPlan:
         modules = {name: node_module(name) for name in self.nodes}
         if self.processes == "shared":
             del modules[CONTROLLER_NODE]
-            modules[DRIVER_NODE] = controlled_driver.__name__
+            modules[DRIVER_NODE] = CONTROLLED_DRIVER
         return modules
 
     @property

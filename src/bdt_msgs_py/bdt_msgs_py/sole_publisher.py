@@ -29,7 +29,7 @@ class SolePublisherCheck:
         """
         found = {}
         for topic in self._topics:
-            # To count them takes a tenth of the time that it takes to find out who they are.
+            # To count them takes a fifth of the time that it takes to learn who they are.
             if self._node.count_publishers(self._node.resolve_topic_name(topic.name)) <= 1:
                 continue
             publishers = self._node.get_publishers_info_by_topic(topic.name)
