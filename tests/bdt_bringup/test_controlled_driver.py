@@ -95,8 +95,8 @@ def test_everybody_hears_each_measurement_and_its_command_once(process):
 
 
 def test_the_driver_hears_others_and_the_controller_its_driver_alone(process):
-    assert process.listener.count_subscribers("/command") == 2  # with the listener
-    assert process.listener.count_subscribers("/measurement") == 1
+    process.ros.spin_until(lambda: process.listener.count_subscribers("/command") == 2)
+    assert process.listener.count_subscribers("/measurement") == 1, "the listener's own"
 
 
 def test_the_controller_lives_in_wall_time_and_leaves_real_time_to_the_driver(ros):

@@ -86,7 +86,7 @@ def test_a_node_takes_from_the_other_one_and_if_wanted_from_everybody(ros, hears
     taker.create_subscription(
         JointState, COMMAND.name, lambda message: taken.append(message.name[0]), profile
     )
-    assert taker.count_subscribers("/command") == hears_others
+    ros.spin_until(lambda: taker.count_subscribers("/command") == hears_others)
     giver.create_publisher(JointState, COMMAND.name, profile).publish(JointState(name=["giver"]))
     assert taken == ["giver"]
     if hears_others:
