@@ -1,14 +1,9 @@
 """Driver and controller in one process: who answers whom, and what each of them is told."""
 
-import os
 import signal
-import subprocess
-import sys
-import time
-from pathlib import Path
 
 import pytest
-import yaml
+from driver_processes import DEADLINE, start_driver, wait_until_read
 from rail_drive import MADE
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
@@ -19,9 +14,9 @@ from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_stamp
 from bdt_msgs_py.topics import COMMAND, MEASUREMENT
 
-SUPPORT = Path(__file__).parents[1] / "support"
+MODULE = "bdt_bringup.controlled_driver"
+DRIVER = "driver:driver:=rail_drive:RailDrive"
 RATE = 100.0
-DEADLINE = 60.0
 DRIVE = {"driver": "rail_drive:RailDrive", "control_rate": RATE, "drive__period": 1 / RATE}
 CONTROLLER = {
     "control_rate": RATE,
@@ -109,49 +104,22 @@ def test_the_controller_lives_in_wall_time_and_leaves_real_time_to_the_driver(ro
 def test_a_parameter_file_has_to_be_for_one_of_both(tmp_path):
     path = tmp_path / "file.yaml"
     path.write_text("plant: {ros__parameters: {control_rate: 100.0}}\n")
-    drive = ["-p", "driver:driver:=rail_drive:RailDrive"]
-    words = ["--ros-args", *drive, "--params-file", str(path)]
-    done = subprocess.run(
-        [sys.executable, "-m", "bdt_bringup.controlled_driver", *words],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=DEADLINE,
-        env={**os.environ, "PYTHONPATH": str(SUPPORT)},
-    )
-    assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == (
+    file = ("--params-file", str(path))
+    process = start_driver(DRIVER, folder=tmp_path, module=MODULE, arguments=file)
+    output, errors = process.communicate(timeout=DEADLINE)
+    assert (process.returncode, output) == (2, "")
+    assert errors == (
         f"error: parameter file {path}: holds nothing for /controller or /driver, its sections "
         "are plant; a section /**/controller or /**/driver is for this node in any namespace\n"
     )
 
 
 def test_a_signal_stops_and_closes_the_drive(tmp_path):
-    log = tmp_path / "drive.log"
-    path = tmp_path / "file.yaml"
-    drive = {"driver": "rail_drive:RailDrive", "drive": {"log": str(log)}}
-    path.write_text(yaml.safe_dump({"driver": {"ros__parameters": drive}}))
-    process = subprocess.Popen(
-        [
-            sys.executable,
-            "-m",
-            "bdt_bringup.controlled_driver",
-            "--ros-args",
-            "--params-file",
-            path,
-        ],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(SUPPORT)},
-    )
-    end = time.monotonic() + DEADLINE
-    while not (log.exists() and "read" in log.read_text()):
-        assert process.poll() is None, process.communicate()
-        assert time.monotonic() < end
-        time.sleep(0.02)
+    log = tmp_path / "calls"
+    parameters = (DRIVER, f"driver:drive.log:={log}")
+    process = start_driver(*parameters, folder=tmp_path, module=MODULE)
+    wait_until_read(process, log)
     process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=DEADLINE)
-    assert process.returncode == 0, said
-    assert "Traceback" not in said
-    assert log.read_text().split()[-2:] == ["stop", "close"]
+    output, errors = process.communicate(timeout=DEADLINE)
+    assert (process.returncode, output, errors) == (0, "", "")
+    assert log.read_text(encoding="utf-8").split()[-2:] == ["stop", "close"]

@@ -54,6 +54,12 @@ class Peer:
         stamp = stamp or self.measurements()[-1].header.stamp
         self.commands.publish(motor_voltage(stamp.sec * 10**9 + stamp.nanosec, voltage))
 
+    def be_obeyed(self):
+        """Answer a measurement, and wait until the drive has the voltage."""
+        self.ros.spin_until(self.measurements)
+        self.answer(5.0)
+        self.ros.spin_until(lambda: self.drive.written)
+
 
 @pytest.fixture
 def peer(ros):
@@ -72,9 +78,7 @@ def test_armed_it_obeys_the_answer_to_its_measurement(peer):
     peer.ros.spin_until(lambda: "read" in peer.drive.calls)
     answer = peer.call("arm")
     assert (answer.success, answer.message) == (True, "armed")
-    peer.ros.spin_until(peer.measurements)
-    peer.answer(5.0)
-    peer.ros.spin_until(lambda: peer.drive.written)
+    peer.be_obeyed()
     assert 0.0 < peer.drive.written[0] <= 0.05
 
 
@@ -84,9 +88,7 @@ def test_armed_without_commands_it_says_so(peer):
     health = peer.node._health()
     assert not health.ok
     assert "armed, and no commands come" in health.summary
-    peer.ros.spin_until(peer.measurements)
-    peer.answer(5.0)
-    peer.ros.spin_until(lambda: peer.drive.written)
+    peer.be_obeyed()
     assert "no commands come" not in peer.node._health().summary
 
 
@@ -238,9 +240,7 @@ def test_telemetry_waits_until_the_command_is_applied(peer, monkeypatch):
 def test_telemetry_goes_on_when_no_command_comes(peer):
     peer.ros.spin_until(lambda: "read" in peer.drive.calls)
     peer.call("arm")
-    peer.ros.spin_until(peer.measurements)
-    peer.answer(5.0)
-    peer.ros.spin_until(lambda: peer.drive.written)
+    peer.be_obeyed()
     before = len(peer.batches())
     peer.ros.spin_until(lambda: len(peer.batches()) > before + 2)
     for batch in peer.batches():

@@ -5,7 +5,7 @@ recorder, which nothing waits for in real time, keep processes of their own.
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -46,30 +46,19 @@ class ControlledDriver:
         **node_arguments
             Passed on to :class:`rclpy.node.Node`, as those of the driver are.
         """
-        kind = handing_node(
-            node_class(CONTROLLER_NODE),
-            self._hand_over,
-            gives=COMMAND,
-            takes=MEASUREMENT,
-            hears_others=False,
-        )
+        kind = self._kind(CONTROLLER_NODE, gives=COMMAND, takes=MEASUREMENT, hears_others=False)
         values = {f"real_time.{name}": value for name, value in asdict(RealTimeSettings()).items()}
         values[USE_SIM_TIME] = False
         own = [Parameter(name, value=value) for name, value in values.items()]
-        node: Node = kind(parameter_overrides=[*parameter_overrides, *own], **node_arguments)
-        return node
+        return kind(parameter_overrides=[*parameter_overrides, *own], **node_arguments)
 
     def driver(self, **node_arguments: Any) -> Node:
         """Return the driver."""
-        kind = handing_node(
-            node_class(DRIVER_NODE),
-            self._hand_over,
-            gives=MEASUREMENT,
-            takes=COMMAND,
-            hears_others=True,
-        )
-        node: Node = kind(**node_arguments)
-        return node
+        kind = self._kind(DRIVER_NODE, gives=MEASUREMENT, takes=COMMAND, hears_others=True)
+        return kind(**node_arguments)
+
+    def _kind(self, name: str, **exchanged: Any) -> Callable[..., Node]:
+        return handing_node(node_class(name), self._hand_over, **exchanged)
 
 
 def main(args: list[str] | None = None) -> None:

@@ -31,6 +31,7 @@ from bdt_msgs_py.node_parameters import (
 from bdt_msgs_py.qos import publisher_profile, qos_profile
 from bdt_msgs_py.real_time import RealTimeProcess
 from bdt_msgs_py.rejection import MessageRejectedError
+from bdt_msgs_py.sole_publisher import publisher_count
 from bdt_msgs_py.topics import (
     COMMAND,
     CONTROLLER_NODE,
@@ -155,7 +156,7 @@ class ControllerNode(Node):
         perhaps by a node of the same name, the plant has to tell this one apart.
         """
         name = self.get_fully_qualified_name()
-        alone = self.count_publishers(self._command_publisher.topic_name) <= 1
+        alone = publisher_count(self, COMMAND) <= 1
         return name if alone else f"{name} {secrets.token_hex(4)}"
 
     def _expect_restart(self, _jump: TimeJump) -> None:

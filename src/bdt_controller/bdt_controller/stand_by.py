@@ -9,6 +9,7 @@ from sensor_msgs.msg import JointState
 
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_stamp
+from bdt_msgs_py.sole_publisher import publisher_count
 from bdt_msgs_py.topics import COMMAND
 
 SILENCE = 0.5
@@ -49,7 +50,7 @@ class StandBy:
         now = time.monotonic()
         if not self._is_decided:
             self._is_decided = True
-            if self._node.count_publishers(self._node.resolve_topic_name(COMMAND.name)) > 1:
+            if publisher_count(self._node, COMMAND) > 1:
                 self._heard_at = now
                 self._subscription = self._node.create_subscription(
                     JointState, COMMAND.name, self._hear, qos_profile(COMMAND)

@@ -7,6 +7,14 @@ from rclpy.node import Node
 from bdt_msgs_py.topics import Topic
 
 
+def publisher_count(node: Node, topic: Topic) -> int:
+    """Return how many publish a topic, by the name that the remap rules of a node give it.
+
+    Counting by itself takes no notice of these rules.
+    """
+    return node.count_publishers(node.resolve_topic_name(topic.name))
+
+
 class SolePublisherCheck:
     """Looks for more than one publisher of topics that should have one.
 
@@ -30,7 +38,7 @@ class SolePublisherCheck:
         found = {}
         for topic in self._topics:
             # To count them takes a fifth of the time that it takes to learn who they are.
-            if self._node.count_publishers(self._node.resolve_topic_name(topic.name)) <= 1:
+            if publisher_count(self._node, topic) <= 1:
                 continue
             publishers = self._node.get_publishers_info_by_topic(topic.name)
             if len(publishers) > 1:

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
@@ -68,6 +69,16 @@ def test_what_is_published_stands_in_the_bag_byte_for_byte(ros, tmp_path, storag
             if connection.topic == "/measurement"
         ]
     assert raw == [bytes(serialize_message(message)) for message in sent]
+
+
+def test_it_finds_a_loop_whose_command_has_another_name(ros, tmp_path):
+    remapped = ["--ros-args", "-r", "command:=/voltage"]
+    ros.create(partial(RecorderNode, cli_args=remapped), bag=str(tmp_path / "bag"))
+    talker = ros.create(partial(Node, cli_args=remapped), "talker")
+    publishers(talker)
+    progress = []
+    talker.create_subscription(TimeReference, PROGRESS.name, progress.append, qos_profile(PROGRESS))
+    ros.spin_until(lambda: progress)
 
 
 def test_the_recorder_never_acts_on_the_loop_and_acknowledges_telemetry(ros, tmp_path):

@@ -34,6 +34,7 @@ from bdt_msgs_py.node_parameters import ConfigurationError, declare_all, destroy
 from bdt_msgs_py.qos import qos_profile
 from bdt_msgs_py.reading import nanoseconds_from_seconds
 from bdt_msgs_py.rejection import MessageRejectedError
+from bdt_msgs_py.sole_publisher import publisher_count
 from bdt_msgs_py.spinning import spin_at_intervals
 from bdt_msgs_py.telemetry_sequence import TelemetrySequence
 from bdt_msgs_py.topics import (
@@ -201,7 +202,7 @@ class RecorderNode(Node):
     def _look_for_loop(self) -> None:
         """Tell the progress as long as there is a loop whose messages come here."""
         sources = (MEASUREMENT, COMMAND, TELEMETRY)
-        self._loop_is_here = all(self.count_publishers(topic.name) for topic in sources)
+        self._loop_is_here = all(publisher_count(self, topic) for topic in sources)
         self._publish_progress()
 
     def _publish_progress(self) -> None:
