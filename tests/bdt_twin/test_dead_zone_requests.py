@@ -74,6 +74,28 @@ def test_a_controller_that_comes_before_the_answer_of_another_one_is_new(ros):
     assert asker.requests.controller_appeared()
 
 
+def test_a_controller_that_answers_before_it_is_seen_is_not_new(ros, monkeypatch):
+    asker = Asker(ros)
+    asker.start_controller()
+    with monkeypatch.context() as unseen:
+        unseen.setattr(asker.node, "get_publishers_info_by_topic", lambda _: [])
+        asker.ask()
+        assert (asker.requests.accepted, asker.requests.informed) == (1, ())
+    assert not asker.requests.controller_appeared()
+    assert len(asker.requests.informed) == 1
+    asker.start_controller()
+    assert asker.requests.controller_appeared()
+
+
+def test_a_controller_that_is_noted_before_it_is_seen_is_not_new(ros):
+    asker = Asker(ros)
+    asker.requests.note_informed()
+    asker.start_controller()
+    assert not asker.requests.controller_appeared()
+    asker.start_controller()
+    assert asker.requests.controller_appeared()
+
+
 def test_it_is_told_which_lives_of_the_controller_have_what_was_asked_for(ros):
     asker = Asker(ros)
     asker.start_controller()

@@ -84,7 +84,7 @@ class DeadZoneRequests:
         self._asked: set[Life] = set()
         self._informed: set[Life] = set()
         self._asked_at = self._newcomer_until = 0.0
-        self._is_there = self._is_dropped = False
+        self._is_there = self._is_dropped = self._is_unseen_informed = False
         self.in_flight: Reconfiguration | None = None
         self.accepted = self.failed = self.refused_offsets = 0
 
@@ -105,6 +105,11 @@ class DeadZoneRequests:
         Every node publishes parameter events, so each of its lives has a publisher of its own.
         """
         found = self._found_publishers()
+        if found and self._is_unseen_informed:
+            # Should another one have come instead, its diagnostics tell that it knows nothing.
+            self._is_unseen_informed = False
+            self._informed = found
+            self._publishers |= found
         appeared = not found <= self._publishers
         self._publishers |= found
         self._is_there = self._is_there and not appeared
@@ -134,6 +139,7 @@ class DeadZoneRequests:
         """Note that controllers have what is in force: those of these identifiers, or all."""
         known = {tuple(bytes.fromhex(life)) for life in lives} if lives is not None else None
         self._informed = self._found_publishers() if known is None else known
+        self._is_unseen_informed = known is None and not self._informed
         self._publishers |= self._informed
 
     def drop(self) -> None:
@@ -199,6 +205,8 @@ class DeadZoneRequests:
         if result.successful:
             self.accepted += 1
             self._informed = self._asked
+            # The network may tell of a service before it tells whose the publishers are.
+            self._is_unseen_informed = not self._asked
         else:
             self._fail(f"the controller refused the dead zone: {result.reason}")
         self._end()
