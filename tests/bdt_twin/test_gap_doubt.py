@@ -10,9 +10,16 @@ from recorded_machine import Run
 from unknown_machine import UnknownMachine
 
 from bdt_twin.fit_doubt import FIRST_DOUBT
-from bdt_twin.gap_doubt import ALIKE, doubted
+from bdt_twin.gap_doubt import (
+    ALIKE,
+    UNSEEN_YIELDING,
+    YIELDING_DOUBT,
+    doubted,
+    yielding_doubt,
+)
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.yielding_friction import YIELD_ANGLES
 
 READING = 1e-7
 SAID = math.radians(0.05)
@@ -49,6 +56,26 @@ def test_a_motor_without_friction_would_have_shown_its_cogging():
 def test_first_motions_tell_less():
     none = NoiseLevels(READING, 0.0, 0.0, 0.0)
     assert doubt(none, is_first=True) == pytest.approx(FIRST_DOUBT * SAID)
+
+
+def yields(friction=0.15, late_share=0.0):
+    _, fit, _ = explained()
+    effects = fit.unknowns.effects.copy()
+    effects[EFFECTS.index("friction_voltage")] = friction
+    effects[EFFECTS.index("yielding_late")] = late_share
+    return yielding_doubt(replace(fit, unknowns=replace(fit.unknowns, effects=effects)))
+
+
+def test_friction_that_yields_is_known_by_a_share_of_its_angle():
+    assert yields(late_share=0.5) == pytest.approx(YIELDING_DOUBT * 0.5 * YIELD_ANGLES[-1])
+
+
+def test_friction_may_yield_a_little_without_being_seen():
+    assert yields() == yields(late_share=1e-3) == UNSEEN_YIELDING
+
+
+def test_a_motor_without_friction_has_none_that_yields():
+    assert yields(friction=0.0, late_share=1.0) == 0.0
 
 
 def test_cogging_that_is_unknown_makes_the_gap_less_sure():

@@ -11,6 +11,8 @@ from bdt_twin.machine_knowledge import (
     COGGING,
     EFFECT_SPREAD,
     EFFECTS,
+    YIELDING,
+    YIELDS,
     MachineKnowledge,
 )
 from bdt_twin.machine_memory import (
@@ -24,6 +26,7 @@ from bdt_twin.machine_memory import (
     MachineMemory,
 )
 from bdt_twin.model_factors import FACTORS
+from bdt_twin.yielding_trial import AGAIN, FIRST, TRIAL, YIELDING_EVIDENCE
 
 FRICTION, OFFSET = (len(FACTORS) + EFFECTS.index(name) for name in EFFECTS[:2])
 COUNT = len(FACTORS) + len(EFFECTS)
@@ -112,6 +115,84 @@ def test_friction_that_was_changing_has_gone_on_to_the_end_of_the_window():
     known.expected[growth] = -5e-3
     memory.learn(10.0, known)
     assert memory.before(10.5, 20.0).expected[FRICTION] == pytest.approx(0.15 * (1.0 - 0.05))
+
+
+def with_certain_friction():
+    memory = MachineMemory(MotorParameters(coulomb_friction=0.01))
+    memory.has_evidence(NO_EVIDENCE, told(friction=0.15))
+    return memory
+
+
+def of_springs(*shares):
+    """Return what a window has told of friction of which these shares yield."""
+    known = told(friction=0.15)
+    known.expected[[len(FACTORS) + place for place in YIELDS]] = shares
+    return known
+
+
+def suspects(memory, gain, **constants):
+    """Tell whether a window with evidence is taken for one of friction that yields."""
+    known = told(**({"friction": 0.15} | constants))
+    return memory.suspects_yielding(evidence_of(YIELDING[0], gain), known)
+
+
+def answered(memory, answers=FIRST):
+    """Let a machine tell something so often."""
+    for _ in range(answers):
+        memory.learn(1.0, told(friction=0.15))
+    return memory
+
+
+ENOUGH = YIELDING_EVIDENCE + 1.0
+
+
+def test_friction_that_yields_joins_on_trial_as_a_whole_once_friction_and_gap_are_known():
+    memory = answered(with_certain_friction(), FIRST - 1)
+    assert not suspects(memory, ENOUGH), "there were too few answers"
+    answered(memory, 1)
+    assert not suspects(memory, ENOUGH, spread=0.05), "friction is not certain"
+    assert suspects(memory, ENOUGH)
+    assert not suspects(memory, ENOUGH), "it has joined"
+    for place in YIELDS:
+        assert spread_of(memory.before(0.0, 0.0), len(FACTORS) + place) == EFFECT_SPREAD[place]
+
+
+def test_little_evidence_does_not_make_friction_yield():
+    assert not suspects(answered(with_certain_friction()), YIELDING_EVIDENCE)
+
+
+@pytest.mark.parametrize("name", YIELDING)
+def test_friction_that_yields_does_not_join_without_a_trial(name):
+    memory = with_certain_friction()
+    assert not memory.has_evidence(evidence_of(name, 100.0), told(friction=0.15))
+
+
+def test_what_was_told_of_rigid_friction_is_forgotten_with_it():
+    memory = answered(with_certain_friction())
+    assert spread_of(memory.before(1.5, 20.0), FRICTION) < EFFECT_SPREAD[0]
+    memory = answered(with_certain_friction())
+    suspects(memory, ENOUGH)
+    assert spread_of(memory.before(1.5, 20.0), FRICTION) == pytest.approx(EFFECT_SPREAD[0])
+
+
+@pytest.mark.parametrize(
+    ("shares", "stays"), [((0.6, 0.3, 0.1), True), ((0.3, 0.05, 0.05), False), ((0.7, 0, 0), False)]
+)
+def test_friction_stays_one_that_yields_if_most_of_it_does_over_an_angle_that_matters(
+    shares, stays
+):
+    memory = answered(with_certain_friction())
+    suspects(memory, ENOUGH)
+    for _ in range(TRIAL):
+        assert memory.present.issuperset(YIELDS)
+        memory.learn(1.0, of_springs(*shares))
+        memory.judge_yielding(of_springs(*shares))
+    assert memory.present.issuperset(YIELDS) == stays
+    if not stays:
+        known = memory.before(1.5, 20.0)
+        assert not known.expected[[len(FACTORS) + place for place in YIELDS]].any()
+        assert not suspects(answered(memory, AGAIN - 1), ENOUGH)
+        assert suspects(answered(memory, 1), ENOUGH)
 
 
 def test_cogging_is_looked_for_where_the_motor_walks_now_and_then():

@@ -146,6 +146,15 @@ def slight_friction(generator: np.random.Generator, **constants: float) -> Unkno
     return replace(machine_with(effects, generator), **constants)
 
 
+def yielding(
+    kind: Callable[[np.random.Generator], UnknownMachine], generator: np.random.Generator
+) -> UnknownMachine:
+    """Return a machine whose friction yields by 0.02 to 2 degrees of the motor before it slides."""
+    machine = kind(generator)
+    angle = math.radians(float(np.exp(generator.uniform(math.log(0.02), math.log(2.0)))))
+    return replace(machine, presliding=angle, bristle_damping=float(generator.uniform(0.0, 0.3)))
+
+
 def slight(**constants: float) -> Kind:
     """Return the kind of machines with slight friction and some constants."""
     return Kind(partial(slight_friction, **constants), decision="equation_9")
@@ -167,6 +176,11 @@ KINDS = {
     "friction fades by 10 %": slight(friction_fade=0.1 / DRAWN_TIME),
     "friction grows by 10 % in 10 mm": slight(friction_along=10.0),
     "thread off by 1 um": slight(thread_error=1e-6),
+    "friction yields by 0.05 deg": slight(presliding=math.radians(0.05)),
+    "friction yields by 0.2 deg": slight(presliding=math.radians(0.2)),
+    "friction yields by 1 deg": slight(presliding=math.radians(1.0)),
+    "everyday, friction yields": Kind(partial(yielding, everyday)),
+    "unknown, friction yields": Kind(partial(yielding, unknown)),
     "guides with 0.1 N": slight(guide_friction=0.1),
     "twice the inertia": slight(inertia=10e-6),
 }

@@ -2,8 +2,8 @@
 
 Shares no equation with the repository: 20 us steps, the current implicit, the speed explicit but
 for friction and load of the screw, which are set-valued: they stop the motor within a step, or
-take what they can. Each integration leads by half a step, so the platform is some 40 us ahead of an
-exact solution.
+take what they can. Friction that yields is LuGre's. Each integration leads by half a step, so the
+platform is some 40 us ahead of an exact solution.
 """
 
 import math
@@ -57,6 +57,10 @@ class UnknownMachine:
     """Share by which friction is larger for each meter of the screw's travel."""
     friction_fade: float = 0.0
     """Share of the friction that is lost in each second."""
+    presliding: float = 0.0
+    """Angle over which bristles bend before friction is Coulomb's [rad]; 0 for none."""
+    bristle_damping: float = 0.1
+    """Damping of the bristles over the root of their stiffness and the motor's inertia."""
     cogging: float = 0.0
     cogs: float = 24.0
     mass: float = 5.2
@@ -133,7 +137,7 @@ class RunningMachine:
         self._late = round(machine.delay / STEP_TIME)
         # Positions of the platform at every step: a delay is no whole number of samples.
         self._positions = np.zeros(count * self._inner + 1)
-        self._state, self._constants = np.zeros(10), _constants(machine)
+        self._state, self._constants = np.zeros(11), _constants(machine)
         self._voltages = np.empty(count)
         self._sample = 0
 
@@ -203,6 +207,8 @@ def _constants(machine: UnknownMachine) -> FloatArray:
             machine.friction_fade,
             machine.thread_error,
             machine.guide_friction,
+            machine.presliding,
+            machine.bristle_damping,
         ]
     )
 
@@ -226,7 +232,7 @@ def _compiled_advance() -> Any:
     return compile_loop(_advance, f"void({', '.join(arrays)})")
 
 
-def _advance(
+def _advance(  # noqa: PLR0915 - one loop, compiled as a whole
     state: FloatArray,
     constants: FloatArray,
     voltage: float,
@@ -238,8 +244,8 @@ def _advance(
     viscous, coulomb, beyond, stribeck, asymmetry, cogging, cogs = constants[5:12]
     mass, stiffness, damping, cubic, efficiency, pushes_middle = constants[12:18]
     current, speed, motor, screw = state[:4]
-    along_screw, fade, thread_error, guide_friction = constants[18:22]
-    q2, v2, q3, v3, base_speed, time = state[4:10]
+    along_screw, fade, thread_error, guide_friction, presliding, bristle_damping = constants[18:24]
+    q2, v2, q3, v3, base_speed, time, bend = state[4:11]
     inner = positions.size // gaps.size
     against = PITCH / efficiency if efficiency > 0.0 else 0.0
     # A screw that the load drives: below a half it is self-locking.
@@ -252,8 +258,17 @@ def _advance(
         torque = per_ampere * current - viscous * speed - cogging * np.sin(cogs * motor)
         friction = coulomb + beyond * np.exp(-((speed / stribeck) ** 2))
         friction *= (1.0 + along_screw * PITCH * screw) * max(1.0 - fade * time, 0.0)
-        bend = base - q2
-        load = stiffness * bend + cubic * bend**3 + damping * (base_speed - v2)
+        if presliding > 0.0 and coulomb > 0.0:
+            bristle = coulomb / presliding
+            slipping = friction / bristle
+            end = slipping if speed > 0.0 else -slipping
+            bent = end + (bend - end) * np.exp(-abs(speed) * STEP_TIME / slipping)
+            rate = bristle_damping * np.sqrt(bristle * inertia) / STEP_TIME
+            bristles = bristle * bent + rate * (bent - bend)
+            torque -= (1.0 + asymmetry if bristles > 0.0 else 1.0 - asymmetry) * bristles
+            bend, friction = bent, 0.0
+        beam = base - q2
+        load = stiffness * beam + cubic * beam**3 + damping * (base_speed - v2)
         resists = against * load if load > 0.0 else along * load
         forward = (1.0 + asymmetry) * friction
         forward += resists if motor - screw >= half - TOUCHING else 0.0
@@ -269,10 +284,10 @@ def _advance(
         screw, before = min(max(screw, motor - half), motor + half), base
         base = PITCH * screw + thread_error * np.sin(screw)
         base_speed = (base - before) / STEP_TIME
-        bend = base - q2
-        lower = stiffness * bend + cubic * bend**3 + damping * (base_speed - v2)
-        bend = q3 - q2
-        upper = stiffness * bend + cubic * bend**3 + damping * (v3 - v2)
+        beam = base - q2
+        lower = stiffness * beam + cubic * beam**3 + damping * (base_speed - v2)
+        beam = q3 - q2
+        upper = stiffness * beam + cubic * beam**3 + damping * (v3 - v2)
         v2 += STEP_TIME * (lower + upper + pushes_middle * push) / mass
         v3 += STEP_TIME * ((1.0 - pushes_middle) * push - upper) / mass
         v2 -= min(max(v2, -held), held)
@@ -281,5 +296,5 @@ def _advance(
         q2 += STEP_TIME * v2
         q3 += STEP_TIME * v3
         positions[step] = q3
-    state[0], state[1], state[2], state[3] = current, speed, motor, screw
-    state[4], state[5], state[6], state[7], state[8], state[9] = q2, v2, q3, v3, base_speed, time
+    state[0], state[1], state[2], state[3], state[4] = current, speed, motor, screw, q2
+    state[5], state[6], state[7], state[8], state[9], state[10] = v2, q3, v3, base_speed, time, bend

@@ -18,6 +18,7 @@ from bdt_plant.structure import StructureState
 from bdt_twin.friction_change import UNCHANGED, FrictionChange
 from bdt_twin.resisted_plant import ResistedPlant
 from bdt_twin.window_loop import DRIVES, compiled_window
+from bdt_twin.yielding_friction import YIELD_ANGLES
 
 FloatArray = NDArray[np.float64]
 
@@ -63,8 +64,9 @@ class StretchResponse(NamedTuple):
         a voltage [s] against the motion and one forward, a relative change of the gain beyond the
         motor's own angle [rad], an excess of friction at rest as a voltage [s], a relative change
         of the Stribeck speed per that excess [s], a load as a voltage per force [N s], the parts
-        of cogging [s], and friction that changes with time [s^2] and along the screw [m s] turn
-        the motor, per what a motor turns in a second for a volt.
+        of cogging [s], friction that changes with time [s^2] and along the screw [m s], and that
+        yields at each of ``YIELD_ANGLES`` [s] turn the motor, per what a motor turns in a second
+        for a volt.
     fast, slow : ndarray, shape (blocks,)
         Time in each block for which the motor turns fast, and slowly or nearly so [s].
     contact : ndarray, shape (blocks,)
@@ -152,6 +154,7 @@ def simulate_stretch(
     position, relative_angle, motor_angle = np.empty((3, voltage.size))
     blocks = np.zeros((7 + len(DRIVES), count))
     reversals = np.zeros(MOST_REVERSALS, dtype=np.int64)
+    bends = _first_bends(step, float(voltage[0]))
     found, travel = compiled_window()(
         step,
         state,
@@ -169,6 +172,7 @@ def simulate_stretch(
         motor_angle,
         blocks,
         reversals,
+        bends,
     )
     screw, side, motor, sample, fast, slow, contact = blocks[:7]
     order = range(max(found - MOST_REVERSALS, 0), found)
@@ -188,6 +192,14 @@ def simulate_stretch(
         slow,
         contact,
     )
+
+
+def _first_bends(step: ResistedPlant, voltage: float) -> FloatArray:
+    """Return the bends of the springs that hold a motor with a voltage [V], shape (springs,)."""
+    taken = step.friction.coulomb * step.motor.resistance
+    share = min(max(voltage / taken, -1.0), 1.0) if taken > 0.0 else 0.0
+    bends: FloatArray = share * np.array(YIELD_ANGLES)
+    return bends
 
 
 def initial_state(

@@ -6,11 +6,18 @@ import numpy as np
 
 from bdt_twin.fit_doubt import FIRST_DOUBT
 from bdt_twin.fit_result import Fit
+from bdt_twin.fixed_order import dot
+from bdt_twin.machine_knowledge import YIELDS
 from bdt_twin.machine_memory import SMALLEST_FRICTION
 from bdt_twin.noise_levels import is_restless
 from bdt_twin.wave_problem import WaveProblem
 from bdt_twin.window_model import WindowModel
+from bdt_twin.yielding_friction import YIELD_ANGLES
 
+YIELDING_DOUBT = 0.2
+"""Share of the angle by which friction yields that its springs do not tell."""
+UNSEEN_YIELDING = 1.5e-3
+"""Angle by which friction that yields shifts a gap [rad] and is not told from a rigid one."""
 ALIKE = 4.0
 """Reversals up to which it matters that they are alike: cogging that is unknown moves a motor that
 hardly turns at each of them in the same way."""
@@ -47,7 +54,8 @@ def doubted(
     if is_first:
         uncertainty *= FIRST_DOUBT
     # Without friction cogging is no secret: it moves the motor from well to well.
-    if window.cogs or fit.unknowns.friction < SMALLEST_FRICTION or not any(fit.levels[1:]):
+    has_friction = fit.unknowns.friction >= SMALLEST_FRICTION
+    if window.cogs or not has_friction or not any(fit.levels[1:]):
         return uncertainty
     if is_restless(fit.levels):
         uncertainty *= math.sqrt(1.0 + ALIKE / reversals)
@@ -55,3 +63,19 @@ def doubted(
     weights = np.zeros(len(fits.moves))
     weights[: window.knots.size] = window.weights(np.array([at]))[:, 0]
     return math.hypot(uncertainty, fits.doubt(weights))
+
+
+def yielding_doubt(fit: Fit) -> float:
+    """Return by how much friction that yields may shift a gap and not be told [rad].
+
+    It does so alike at each reversal, which no residual shows.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit of a window.
+    """
+    if fit.unknowns.friction < SMALLEST_FRICTION:
+        return 0.0
+    told = dot(fit.unknowns.effects[YIELDS], np.array(YIELD_ANGLES))
+    return max(YIELDING_DOUBT * told, UNSEEN_YIELDING)

@@ -15,11 +15,14 @@ from bdt_twin.machine_knowledge import (
     COGGING,
     EFFECTS,
     FRICTION_CHANGES,
+    YIELDING,
+    YIELDS,
     MachineKnowledge,
     first_knowledge,
 )
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import is_restless
+from bdt_twin.yielding_trial import YIELDING_EVIDENCE, YieldingTrial
 
 FloatArray = NDArray[np.float64]
 
@@ -28,9 +31,9 @@ EVIDENCE = 4.0
 WITH_FRICTION = ("voltage_offset", "excess_voltage", "stribeck_speed", "load_voltage")
 """Effects of every motor with friction: friction differs by direction and by speed, and the screw
 has some, too. To leave them out until there is evidence would make the first windows too sure."""
-OF_FRICTION = frozenset(map(EFFECTS.index, FRICTION_CHANGES))
-"""Places in ``EFFECTS`` of changes of the friction, which only a motor with friction has: cogging
-looks like such a change, too."""
+OF_FRICTION = frozenset(map(EFFECTS.index, (*FRICTION_CHANGES, *YIELDING)))
+"""Places in ``EFFECTS`` of what only a motor with friction has: changes of it, as which cogging
+appears, too, and that it yields."""
 SMALLEST_FRICTION, FRICTION_COVERAGE = 0.02, 5.0
 """Voltage [V] and standard uncertainties from which on a motor has friction for certain: cogging
 looks like a little friction, too."""
@@ -99,6 +102,8 @@ class MachineMemory:
     ----------
     cogs : int
         Periods of the motor's cogging in a turn; 0 as long as there is no evidence of any.
+    yielding : YieldingTrial
+        Whether friction that yields is on trial.
     """
 
     def __init__(self, motor: MotorParameters) -> None:
@@ -107,6 +112,7 @@ class MachineMemory:
         self._known: _Told | None = None
         self._present = set[int]()
         self.cogs, self._unsearched = 0, SEARCH_EVERY
+        self.yielding = YieldingTrial()
         self._has_offset = False
         self._recalled: tuple[MachineKnowledge, float] | None = None
         if motor.coulomb_friction > 0.0:
@@ -127,9 +133,14 @@ class MachineMemory:
         present : collection of int
             Places in ``EFFECTS`` of what it has besides.
         """
+        self._forget()
+        self.yielding = YieldingTrial()
+        self.cogs, self._present = cogs, {*COGGING, *present}
+
+    def _forget(self) -> None:
+        """Forget what windows have told that thought the machine another one."""
         self._told.clear()
         self._known = self._recalled = None
-        self.cogs, self._present = cogs, {*COGGING, *present}
 
     def recollection(self) -> MachineRecollection | None:
         """Return what is worth keeping; None before the first window has told anything."""
@@ -174,10 +185,12 @@ class MachineMemory:
             if self._known.cogs != self.cogs:
                 new |= COGGING
             known = aged.bounded(known).forgetting(new)
-        return known.without(set(range(len(EFFECTS))) - self._present)
+        absent = set(range(len(EFFECTS))) - self._present
+        return known.forgetting(absent & set(YIELDS)).without(absent)
 
     def learn(self, time: float, machine: MachineKnowledge) -> None:
         """Remember what a window has told that ended at a time [s]."""
+        self.yielding.answer()
         self._told.append(_Told(time, machine, self.present, self.cogs))
 
     def has_evidence(self, evidence: FloatArray, machine: MachineKnowledge) -> bool:
@@ -197,6 +210,7 @@ class MachineMemory:
             return True
         gains = evidence.copy()
         gains[list(self._present if has_friction else self._present | OF_FRICTION)] = 0.0
+        gains[YIELDS] = 0.0
         if float(gains.max()) <= EVIDENCE:
             return False
         self._present.add(int(gains.argmax()))
@@ -208,6 +222,32 @@ class MachineMemory:
         surely = FRICTION_COVERAGE * math.sqrt(float(machine.covariance[place, place]))
         found = float(machine.expected[place])
         return friction in self._present and found > max(surely, SMALLEST_FRICTION)
+
+    def suspects_yielding(self, evidence: FloatArray, machine: MachineKnowledge) -> bool:
+        """Take friction for one that yields, on trial, if there is evidence; tell whether so.
+
+        Parameters are those of :meth:`has_evidence`.
+        """
+        if not self._present.isdisjoint(YIELDS) or not self._has_friction(machine):
+            return False
+        if not self.yielding.may_begin or float(evidence[YIELDS].max()) <= YIELDING_EVIDENCE:
+            return False
+        self._present |= set(YIELDS)
+        self._forget()
+        self.yielding.begin()
+        return True
+
+    def judge_yielding(self, machine: MachineKnowledge) -> None:
+        """Take friction for a rigid one again where a trial has failed.
+
+        Parameters
+        ----------
+        machine : MachineKnowledge
+            What a window has told.
+        """
+        if not self._present.isdisjoint(YIELDS) and self.yielding.has_failed(machine):
+            self._present -= set(YIELDS)
+            self._forget()
 
     def looks_for_cogging(self, levels: NoiseLevels) -> bool:
         """Tell whether it is time to look for cogging in a window with these levels of noise."""

@@ -20,7 +20,7 @@ from bdt_twin.cogging_waves import compiled_waves
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_doubt import FIRST_MOTIONS
 from bdt_twin.fit_result import Fit
-from bdt_twin.gap_doubt import doubted
+from bdt_twin.gap_doubt import doubted, yielding_doubt
 from bdt_twin.gap_knowledge import GapKnowledge
 from bdt_twin.gap_of_fit import answered_reversals, gap_at, growth_at, growth_change_of
 from bdt_twin.growth_knowledge import GrowthKnowledge
@@ -132,8 +132,7 @@ class OutputErrorEstimator:
         self.last_fit: AcceptedFit | None = None
         self._walks = False
         self._predecessor: Predecessor | None = None
-        self._moves_from = math.inf
-        self._error = math.inf
+        self._moves_from = self._error = math.inf
         self._check, self._held = AnswerCheck(self._settings.largest_uncertainty), 0
         self._gap = GapKnowledge(self._settings.largest_uncertainty)
         self._growth = GrowthKnowledge(self._settings.growth_change)
@@ -272,7 +271,9 @@ class OutputErrorEstimator:
             time=stamp,
             gap=gap,
             # A gap that has jumped does not grow from knot to knot: it is that at either of them.
-            uncertainty=math.hypot(uncertainty, 0.5 * self._settings.knot_spacing * sudden),
+            uncertainty=math.hypot(
+                uncertainty, yielding_doubt(fit), 0.5 * self._settings.knot_spacing * sudden
+            ),
             growth=growth,
             growth_uncertainty=math.hypot(growth_uncertainty, sudden),
             gain_correction=gain,

@@ -8,6 +8,7 @@ functions.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import decaying_exponential
 from bdt_plant.lead_screw import contact_side, play
@@ -17,6 +18,9 @@ from bdt_plant.screw_load import ScrewLoad, backward_load, forward_load
 from bdt_plant.stribeck import FrictionLaw
 from bdt_plant.structure import structure_step
 from bdt_twin.cog_wave import cog_wave
+from bdt_twin.yielding_friction import YieldingFriction, yielding_motor_step
+
+FloatArray = NDArray[np.float64]
 
 FAST = 4.0
 """Multiples of the Stribeck speed from which on friction is that of a fast motor."""
@@ -72,6 +76,8 @@ class ResistedPlant(NamedTuple):
         Those of the structure's lowest beams [N/m, N s/m].
     cogs : Cogs
         Cogging of the motor.
+    yielding : YieldingFriction
+        How much of the friction yields before it slides.
     """
 
     plant: DiscretePlant
@@ -81,10 +87,11 @@ class ResistedPlant(NamedTuple):
     stiffness: float
     damping: float
     cogs: Cogs
+    yielding: YieldingFriction
 
 
 def resisted_plant_step(
-    state: PlantState, voltage: float, gap: float, step: ResistedPlant
+    state: PlantState, voltage: float, gap: float, step: ResistedPlant, bends: FloatArray
 ) -> PlantState:
     """Advance the plant by one sample (eqs 1, 2, 3 and 6, and what resists the motor).
 
@@ -101,6 +108,8 @@ def resisted_plant_step(
         Backlash gap theta_b [rad] at the end of the sample.
     step : ResistedPlant
         Discrete model of the plant.
+    bends : ndarray, shape (springs,)
+        Bends of the springs of friction that yields, at the beginning [rad].
     """
     law, speed = step.friction, state.motor.speed
     is_slow = law.excess > 0.0 and abs(speed) < FAST * law.stribeck_speed
@@ -120,9 +129,15 @@ def resisted_plant_step(
         size = law.coulomb
         if is_slow:
             size += law.excess * slow_share(abs(middle) / law.stribeck_speed)
-        motor = resisted_motor_step(
-            state.motor, voltage, load, backward + size, forward + size, step.motor
-        )
+        if step.yielding.rigid < 1.0:
+            loads = load, backward, forward
+            motor = yielding_motor_step(
+                state.motor, voltage, loads, size, bends, step.yielding, step.motor
+            )
+        else:
+            motor = resisted_motor_step(
+                state.motor, voltage, load, backward + size, forward + size, step.motor
+            )
         if speed * motor.speed <= 0.0:
             break
         middle = 0.5 * (speed + motor.speed)

@@ -20,6 +20,7 @@ from bdt_twin.friction_change import (
     changed_share,
     felt_voltage,
 )
+from bdt_twin.machine_knowledge import YIELDING
 from bdt_twin.resisted_plant import (
     COGGED_SPEED,
     FAST,
@@ -30,6 +31,16 @@ from bdt_twin.resisted_plant import (
     slope_left,
     slow_share,
     steepness,
+)
+from bdt_twin.yielding_friction import (
+    RIGID,
+    SPRINGS,
+    YIELD_ANGLES,
+    bend_springs,
+    elastic_share,
+    elastic_stiffness,
+    sliding_direction,
+    yielding_motor_step,
 )
 
 FloatArray = NDArray[np.float64]
@@ -45,9 +56,12 @@ DRIVES = (
     "cogging_cosine",
     "growth",
     "slope",
+    *YIELDING,
 )
 """What moves the motor, as time integrals since the beginning; see ``StretchResponse.drives``."""
 DRIVE_COUNT = len(DRIVES)
+FIRST_SPRING = DRIVES.index(YIELDING[0])
+"""Place of the first spring of friction that yields."""
 
 
 @cache
@@ -73,6 +87,7 @@ def compiled_window() -> Any:
             signal,
             types.Array(types.float64, 2, "C"),
             types.Array(types.int64, 1, "C"),
+            signal,
         )
 
     return compile_with_steps(_window_loop, STEPS, signature)
@@ -86,6 +101,11 @@ STEPS = (
     steepness,
     slope_left,
     cog_wave,
+    bend_springs,
+    elastic_share,
+    elastic_stiffness,
+    sliding_direction,
+    yielding_motor_step,
     changed_share,
     felt_voltage,
 )
@@ -102,6 +122,7 @@ def _model_step() -> ResistedPlant:
         0.0,
         0.0,
         NO_COGS,
+        RIGID,
     )
 
 
@@ -123,13 +144,19 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         motor_angle: FloatArray,
         blocks: FloatArray,
         reversals: NDArray[np.int64],
+        bends: FloatArray,
     ) -> tuple[int, float]:
         _ = sources
         last_side, last_motor, last_sample = 0.0, state.motor.angle, 0.0
         drives, last_drives = np.zeros(DRIVE_COUNT), np.zeros(DRIVE_COUNT)
         begun = np.zeros(DRIVE_COUNT)
         law, cogs = step.friction, step.cogs.periods_per_radian
-        is_resisted = law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
+        yielding, taken = step.yielding, law.coulomb * step.motor.resistance
+        yields = yielding.rigid < 1.0
+        sliding = 0.0
+        # Drives when a spring began to bend: from there on it holds back what turns the motor.
+        slips, held_from = np.ones(SPRINGS), np.zeros((SPRINGS, DRIVE_COUNT))
+        is_resisted = yields or law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
         changes, pitch = change.growth != 0.0 or change.slope != 0.0, step.plant.pitch
         per_speed = 1.0 / law.stribeck_speed
         steep = steepness(law.excess * step.motor.resistance, law.stribeck_speed, back_emf)
@@ -142,13 +169,14 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
             begun[:] = last_drives
             for _ in range(block):
                 k += 1
+                turned_from = state.motor.angle
                 time, place = k * sample_time, pitch * before
                 if k > 0:
                     applied = voltage[k - 1]
                     if changes:
                         applied = felt_voltage(applied, state.motor.speed, time, place, change)
                     if is_resisted:
-                        state = resisted_plant_step(state, applied, gaps[k], step)
+                        state = resisted_plant_step(state, applied, gaps[k], step, bends)
                     else:
                         state = plant_step(state, applied, gaps[k], step.plant)
                 speed = state.motor.speed
@@ -156,9 +184,26 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                     fast += sample_time
                 elif abs(speed) > TURNING or abs(voltage[k]) > standing_voltage:
                     slow += sample_time
+                turned = state.motor.angle - turned_from
+                if taken > 0.0 and turned * sliding <= 0.0:
+                    bend_springs(bends, turned)
+                    sliding = sliding_direction(bends)
+                    for spring in range(SPRINGS):
+                        if abs(bends[spring]) == YIELD_ANGLES[spring]:
+                            slips[spring] = 1.0
+                        elif slips[spring] > 0.0:
+                            slips[spring] = 0.0
+                            held_from[spring] = drives
                 if abs(speed) > TURNING:
                     # A voltage is felt more where friction falls with speed.
                     sign, felt, amplified = 1.0 if speed > 0.0 else -1.0, sample_time, 0.0
+                    holds = taken > 0.0 and sliding == 0.0
+                    if holds:
+                        for spring in range(SPRINGS):
+                            bent = bends[spring] / YIELD_ANGLES[spring]
+                            drives[FIRST_SPRING + spring] += sample_time * (bent - sign)
+                        # Springs that do not slip pull less than friction is.
+                        sign = sign * yielding.rigid + elastic_share(bends, 0.0, yielding)
                     ratio = abs(speed) * per_speed
                     if ratio < FAST:
                         share = slow_share(ratio)
@@ -180,6 +225,18 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         drives[7] += felt * cosine
                     drives[8] += sign * felt * lasted
                     drives[9] += sign * felt * covered
+                    if yields and holds:
+                        stiffness = 0.0
+                        for spring in range(SPRINGS):
+                            if slips[spring] == 0.0 and yielding.shares[spring] > 0.0:
+                                stiff = yielding.shares[spring] * taken * sample_time
+                                stiff /= YIELD_ANGLES[spring] * back_emf
+                                stiffness += stiff
+                                for drive in range(DRIVE_COUNT):
+                                    drives[drive] += stiff * held_from[spring, drive]
+                        if stiffness > 0.0:
+                            for drive in range(DRIVE_COUNT):
+                                drives[drive] /= 1.0 + stiffness
                 angle = state.theta_d
                 if angle != before:
                     last_side = 1.0 if angle > before else -1.0

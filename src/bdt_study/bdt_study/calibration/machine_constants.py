@@ -16,14 +16,19 @@ from bdt_study.calibration.finding import LARGEST_UNCERTAINTY, Finding, structur
 from bdt_study.calibration.identification import Identification
 from bdt_study.calibration.motor_lag import SMALLEST_LAG, motor_lag, with_lag
 from bdt_study.calibration.start_values import model_values
-from bdt_twin.machine_knowledge import COGGING_PARTS, USUAL_STRIBECK_SPEED
+from bdt_twin.machine_knowledge import COGGING_PARTS, USUAL_STRIBECK_SPEED, YIELDING
 
 TORQUE_OF_A_VOLT = ("motor.torque_constant", "motor.resistance")
 """Constants on which it depends what torque a voltage is."""
 START_SPREAD = 0.35
 """Relative standard uncertainty of a start value that the data cannot tell: a factor of two is
 rare."""
-RATIOS = (("load_voltage", "V/N"), ("friction_growth", "1/s"), ("friction_slope", "1/m"))
+RATIOS = (
+    ("load_voltage", "V/N"),
+    ("friction_growth", "1/s"),
+    ("friction_slope", "1/m"),
+    *((name, "") for name in YIELDING),
+)
 """Effects that the data tell by themselves where the machine has them, and their units."""
 COVERAGE = 2.0
 """Standard uncertainties by which a reading is early before the start value of the inertia is."""
