@@ -69,7 +69,7 @@ def test_the_stiffness_is_the_slope_of_the_torque():
 
 def motion(voltages, friction, step_time):
     """Return the motor's angle after each step."""
-    step, motor, bends = discretize_resisted_motor(MOTOR, step_time), MotorState(0, 0, 0), None
+    step, motor = discretize_resisted_motor(MOTOR, step_time), MotorState(0, 0, 0)
     bends, found = np.zeros(SPRINGS), []
     for voltage in voltages:
         before = motor.angle

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_twin.fixed_order import total
-from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, YIELDING
+from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, YIELDS
 from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
@@ -58,8 +58,7 @@ class Unknowns:
         # Cogging, which is largest at rest, too, is no friction of a motor that has next to none.
         excess, friction = EFFECTS.index("excess_voltage"), EFFECTS.index("friction_voltage")
         effects[excess] = min(effects[excess], MOST_EXCESS * effects[friction])
-        yielding = [EFFECTS.index(name) for name in YIELDING]
-        effects[yielding] /= max(total(effects[yielding]), 1.0)
+        effects[YIELDS] /= max(total(effects[YIELDS]), 1.0)
         initial_conditions = rest.reshape(self.initial_conditions.shape).copy()
         np.clip(initial_conditions[:, 0], -1.0, 1.0, out=initial_conditions[:, 0])
         return Unknowns(
