@@ -14,6 +14,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from bdt_live.measuring.process_load import words_of
+
 DEADLINE = 120.0
 """Wall time [s] after which a condition counts as never met."""
 
@@ -88,11 +90,7 @@ class LiveProgram:
     def processes(self, module: str) -> list[int]:
         """Return the nodes that run a module."""
         children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children")
-        return [
-            int(child)
-            for child in children.read_text().split()
-            if module.encode() in Path(f"/proc/{child}/cmdline").read_bytes()
-        ]
+        return [each for each in map(int, children.read_text().split()) if module in words_of(each)]
 
     def end(self) -> str:
         """End the program as Ctrl-C does, and return what it has complained about."""

@@ -2,13 +2,12 @@
 
 import asyncio
 import os
-from pathlib import Path
 
 import aiohttp
 import pytest
 
 from bdt_bringup.cli import run_command
-from bdt_live.measuring.process_load import tree_of
+from bdt_live.measuring.process_load import tree_of, words_of
 from bdt_live.niceness import PAGE_NICENESS
 from bdt_msgs_py.command_errors import BAD_INPUT
 
@@ -60,15 +59,14 @@ def test_a_loop_that_runs_already_is_attached_to(live_loop, beside):
 
 
 def nicenesses_of(module, processes):
-    lines = {each: Path(f"/proc/{each}/cmdline").read_bytes().split(b"\0") for each in processes}
-    return [os.getpriority(os.PRIO_PROCESS, each) for each, line in lines.items() if module in line]
+    return [os.getpriority(os.PRIO_PROCESS, each) for each in processes if module in words_of(each)]
 
 
 def test_the_process_of_ros_lets_the_nodes_go_first(live_loop):
     processes, ours = tree_of(live_loop.process.pid), os.getpriority(os.PRIO_PROCESS, 0)
     # Only a privileged user may be less nice than before.
-    assert nicenesses_of(b"bdt_live.ros_process", processes) == [max(ours, PAGE_NICENESS)]
-    for node in (b"bdt_plant.plant_node", b"bdt_controller.controller_node"):
+    assert nicenesses_of("bdt_live.ros_process", processes) == [max(ours, PAGE_NICENESS)]
+    for node in ("bdt_plant.plant_node", "bdt_controller.controller_node"):
         assert nicenesses_of(node, processes) == [ours]
 
 

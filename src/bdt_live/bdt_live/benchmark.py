@@ -15,7 +15,13 @@ from typing import Any
 
 from bdt_live.measuring.chromium import Chromium
 from bdt_live.measuring.drawn_page import picture_rate, time_to_drawing
-from bdt_live.measuring.process_load import growth, memory_of, processor_time_of, tree_of
+from bdt_live.measuring.process_load import (
+    growth,
+    memory_of,
+    processor_time_of,
+    tree_of,
+    words_of,
+)
 from bdt_live.measuring.running_programs import browsers, line_of, python, server
 from bdt_live.measuring.socket_page import socket_pages
 
@@ -49,7 +55,7 @@ MEDIAN_OF_NORMAL = 1.86
 """Standard deviation of the median of normal values, times the root of their number, over their
 median deviation from it."""
 
-ROS_PROCESS = b"bdt_live.ros_process"
+ROS_PROCESS = "bdt_live.ros_process"
 
 
 def live(duration: float) -> list[dict[str, Any]]:
@@ -153,11 +159,7 @@ def _note_memory(memory: dict[str, list[int]], server: int, opened: Sequence[Chr
 
 
 def _ros_processes(server: int) -> list[int]:
-    return [
-        each
-        for each in tree_of(server)
-        if ROS_PROCESS in Path(f"/proc/{each}/cmdline").read_bytes().split(b"\0")
-    ]
+    return [each for each in tree_of(server) if ROS_PROCESS in words_of(each)]
 
 
 async def _time_to_catch_up(address: str, duration: float) -> float:

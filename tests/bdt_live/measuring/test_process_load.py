@@ -12,6 +12,7 @@ from bdt_live.measuring.process_load import (
     memory_of,
     processor_time_of,
     tree_of,
+    words_of,
 )
 
 WAIT = "import sys; print('ready', flush=True); sys.stdin.read()"
@@ -30,6 +31,12 @@ def child():
 def test_what_a_process_has_started_belongs_to_its_tree(child):
     assert child.pid in tree_of(os.getpid())
     assert tree_of(child.pid) == [child.pid]
+
+
+def test_a_process_is_known_by_its_words_until_it_has_ended(child):
+    assert words_of(child.pid) == [sys.executable, "-c", WAIT]
+    child.communicate()
+    assert words_of(child.pid) == []
 
 
 def test_memory_that_is_filled_is_counted():

@@ -1,4 +1,4 @@
-"""What processes cost, from /proc: memory and time of the processor."""
+"""What processes run and cost, from /proc: words, memory and time of the processor."""
 
 import os
 import re
@@ -18,6 +18,15 @@ def tree_of(process: int) -> list[int]:
             with suppress(*ENDED):
                 found += [int(child) for child in task.read_text().split()]
     return found
+
+
+def words_of(process: int) -> list[str]:
+    """Return the command line of a process, word by word; none if it has ended."""
+    with suppress(*ENDED):
+        # A kernel thread and one that is about to end have an empty line.
+        line = Path(f"/proc/{process}/cmdline").read_bytes().decode(errors="replace")
+        return line.rstrip("\0").split("\0") if line else []
+    return []
 
 
 def memory_of(processes: list[int]) -> int:
