@@ -59,7 +59,7 @@ CASES = {"paper": ("paper", {}), "laboratory": ("laboratory", {}), "harsh": ("la
 DIGESTS = {
     "paper": "86982255de2973a01f084118fc8da64411f8282c6bf96c5512c1ee828a9d95f0",
     "laboratory": "1ac86f0d97655b9be305d6715ee80547b83862ade17556c9a75e020d56f23807",
-    "harsh": "c86975c8822b851d1cd9b439843d0d236543195e5e3d8b30c320bcafdd6a74aa",
+    "harsh": "5075d610f24a68f127267ee7ea62ca658537ec0fb8d1893728be8bb334e2d810",
 }
 """SHA-256 of 30 simulated seconds: voltage, position, reading, dead zone and estimates."""
 

@@ -12,6 +12,8 @@ from unknown_machine import UnknownMachine
 from bdt_twin.fit_doubt import FIRST_DOUBT
 from bdt_twin.gap_doubt import (
     ALIKE,
+    KNOWN_YIELDING,
+    UNEXPLAINED_YIELDING,
     UNSEEN_YIELDING,
     YIELDING_DOUBT,
     doubted,
@@ -19,7 +21,8 @@ from bdt_twin.gap_doubt import (
 )
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import EFFECTS
-from bdt_twin.yielding_friction import YIELD_ANGLES
+from bdt_twin.machine_memory import SMALLEST_FRICTION
+from bdt_twin.unknowns import SMALLEST_YIELD_ANGLE
 
 READING = 1e-7
 SAID = math.radians(0.05)
@@ -58,24 +61,32 @@ def test_first_motions_tell_less():
     assert doubt(none, is_first=True) == pytest.approx(FIRST_DOUBT * SAID)
 
 
-def yields(friction=0.15, late_share=0.0):
+def yields(friction=0.15, angle=0.0, levels=QUIET):
     _, fit, _ = explained()
     effects = fit.unknowns.effects.copy()
     effects[EFFECTS.index("friction_voltage")] = friction
-    effects[EFFECTS.index("yielding_late")] = late_share
-    return yielding_doubt(replace(fit, unknowns=replace(fit.unknowns, effects=effects)))
+    effects[EFFECTS.index("yield_angle")] = angle
+    unknowns = replace(fit.unknowns, effects=effects)
+    return yielding_doubt(replace(fit, unknowns=unknowns, levels=levels))
 
 
 def test_friction_that_yields_is_known_by_a_share_of_its_angle():
-    assert yields(late_share=0.5) == pytest.approx(YIELDING_DOUBT * 0.5 * YIELD_ANGLES[-1])
+    assert yields(angle=0.02) == yields(angle=0.02, levels=RESTLESS) == YIELDING_DOUBT * 0.02
+    assert yields(angle=SMALLEST_YIELD_ANGLE) == KNOWN_YIELDING
+    assert yields(0.5 * SMALLEST_FRICTION, angle=0.02) == YIELDING_DOUBT * 0.02
 
 
-def test_friction_may_yield_a_little_without_being_seen():
-    assert yields() == yields(late_share=1e-3) == UNSEEN_YIELDING
+def test_friction_that_is_thought_to_be_rigid_may_yield_more_where_the_motor_walks():
+    assert yields() == UNSEEN_YIELDING
+    assert yields(levels=RESTLESS) == UNEXPLAINED_YIELDING > UNSEEN_YIELDING
 
 
 def test_a_motor_without_friction_has_none_that_yields():
-    assert yields(friction=0.0, late_share=1.0) == 0.0
+    assert yields(friction=0.0, angle=0.02) == yields(friction=0.0, levels=RESTLESS) == 0.0
+
+
+def test_a_little_that_looks_like_friction_is_not_thought_to_yield():
+    assert yields(friction=0.5 * SMALLEST_FRICTION, levels=RESTLESS) == 0.0
 
 
 def test_cogging_that_is_unknown_makes_the_gap_less_sure():

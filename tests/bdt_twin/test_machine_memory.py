@@ -11,8 +11,7 @@ from bdt_twin.machine_knowledge import (
     COGGING,
     EFFECT_SPREAD,
     EFFECTS,
-    YIELDING,
-    YIELDS,
+    YIELD_ANGLE,
     MachineKnowledge,
 )
 from bdt_twin.machine_memory import (
@@ -26,7 +25,6 @@ from bdt_twin.machine_memory import (
     MachineMemory,
 )
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.yielding_trial import AGAIN, FIRST, TRIAL, YIELDING_EVIDENCE
 
 FRICTION, OFFSET = (len(FACTORS) + EFFECTS.index(name) for name in EFFECTS[:2])
 COUNT = len(FACTORS) + len(EFFECTS)
@@ -123,76 +121,53 @@ def with_certain_friction():
     return memory
 
 
-def of_springs(*shares):
-    """Return what a window has told of friction of which these shares yield."""
-    known = told(friction=0.15)
-    known.expected[[len(FACTORS) + place for place in YIELDS]] = shares
-    return known
+@pytest.mark.parametrize(("friction", "spread"), [(0.015, 1e-3), (0.15, 0.05)])
+def test_little_friction_may_be_cogging_and_unsure_friction_none(friction, spread):
+    memory = with_certain_friction()
+    assert memory.has_friction(told(friction=0.15))
+    assert not memory.has_friction(told(friction=friction, spread=spread))
+    assert memory.has_friction(told(friction=0.015), least=0.01)
 
 
-def suspects(memory, gain, **constants):
-    """Tell whether a window with evidence is taken for one of friction that yields."""
-    known = told(**({"friction": 0.15} | constants))
-    return memory.suspects_yielding(evidence_of(YIELDING[0], gain), known)
+YIELD_PLACE = len(FACTORS) + YIELD_ANGLE
 
 
-def answered(memory, answers=FIRST):
-    """Let a machine tell something so often."""
-    for _ in range(answers):
-        memory.learn(1.0, told(friction=0.15))
+def learned(memory):
+    """Let a window tell something that ends before the one that is asked for."""
+    memory.learn(1.0, told(friction=0.15))
     return memory
 
 
-ENOUGH = YIELDING_EVIDENCE + 1.0
-
-
-def test_friction_that_yields_joins_on_trial_as_a_whole_once_friction_and_gap_are_known():
-    memory = answered(with_certain_friction(), FIRST - 1)
-    assert not suspects(memory, ENOUGH), "there were too few answers"
-    answered(memory, 1)
-    assert not suspects(memory, ENOUGH, spread=0.05), "friction is not certain"
-    assert suspects(memory, ENOUGH)
-    assert not suspects(memory, ENOUGH), "it has joined"
-    for place in YIELDS:
-        assert spread_of(memory.before(0.0, 0.0), len(FACTORS) + place) == EFFECT_SPREAD[place]
-
-
-def test_little_evidence_does_not_make_friction_yield():
-    assert not suspects(answered(with_certain_friction()), YIELDING_EVIDENCE)
-
-
-@pytest.mark.parametrize("name", YIELDING)
-def test_friction_that_yields_does_not_join_without_a_trial(name):
-    memory = with_certain_friction()
-    assert not memory.has_evidence(evidence_of(name, 100.0), told(friction=0.15))
-
-
-def test_what_was_told_of_rigid_friction_is_forgotten_with_it():
-    memory = answered(with_certain_friction())
+def test_what_was_told_of_rigid_friction_is_forgotten_where_it_yields():
+    memory = learned(with_certain_friction())
     assert spread_of(memory.before(1.5, 20.0), FRICTION) < EFFECT_SPREAD[0]
-    memory = answered(with_certain_friction())
-    suspects(memory, ENOUGH)
-    assert spread_of(memory.before(1.5, 20.0), FRICTION) == pytest.approx(EFFECT_SPREAD[0])
+    other = memory.with_yield_angle(3e-3)
+    known = other.before(1.5, 20.0)
+    assert spread_of(known, FRICTION) == pytest.approx(EFFECT_SPREAD[0])
+    assert spread_of(known, YIELD_PLACE) == pytest.approx(EFFECT_SPREAD[YIELD_ANGLE])
+    assert known.expected[YIELD_PLACE] == 3e-3
+    assert other.present == memory.present | {YIELD_ANGLE}
+    assert YIELD_ANGLE not in memory.present, "it is another machine"
 
 
-@pytest.mark.parametrize(
-    ("shares", "stays"), [((0.6, 0.3, 0.1), True), ((0.3, 0.05, 0.05), False), ((0.7, 0, 0), False)]
-)
-def test_friction_stays_one_that_yields_if_most_of_it_does_over_an_angle_that_matters(
-    shares, stays
-):
-    memory = answered(with_certain_friction())
-    suspects(memory, ENOUGH)
-    for _ in range(TRIAL):
-        assert memory.present.issuperset(YIELDS)
-        memory.learn(1.0, of_springs(*shares))
-        memory.judge_yielding(of_springs(*shares))
-    assert memory.present.issuperset(YIELDS) == stays
-    if not stays:
-        known = memory.before(1.5, 20.0)
-        assert not known.expected[[len(FACTORS) + place for place in YIELDS]].any()
-        assert not suspects(answered(memory, AGAIN - 1), ENOUGH)
-        assert suspects(answered(memory, 1), ENOUGH)
+def test_friction_that_yields_is_rigid_again_for_an_angle_of_zero():
+    other = learned(with_certain_friction()).with_yield_angle(3e-3).with_yield_angle(0.0)
+    known = other.before(1.5, 20.0)
+    assert known.expected[YIELD_PLACE] == 0.0
+    assert spread_of(known, YIELD_PLACE) == pytest.approx(ABSENT * EFFECT_SPREAD[YIELD_ANGLE])
+
+
+def test_a_machine_with_other_friction_has_the_effects_that_are_found_later():
+    memory = with_certain_friction()
+    rigid, other = memory.with_yield_angle(0.0), memory.with_yield_angle(3e-3)
+    memory.has_cogging(24)
+    rigid.be_like(memory)
+    other.be_like(memory)
+    assert other.cogs == rigid.cogs == 24
+    assert rigid.present == memory.present
+    assert other.present == memory.present | {YIELD_ANGLE}
+    memory.be_like(other)
+    assert YIELD_ANGLE not in memory.present
 
 
 def test_cogging_is_looked_for_where_the_motor_walks_now_and_then():

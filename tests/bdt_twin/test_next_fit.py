@@ -12,14 +12,12 @@ from bdt_plant.plant import PlantModel
 from bdt_twin import next_fit as module
 from bdt_twin.cogging_search import CoggingEvidence
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import COGGING, EFFECTS, YIELDING, YIELDS
+from bdt_twin.machine_knowledge import COGGING
 from bdt_twin.machine_memory import SEARCH_AGAIN, MachineMemory
 from bdt_twin.next_fit import MOST_NEWCOMERS, next_fit
 from bdt_twin.stretch import Stretch
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor
-from bdt_twin.yielding_friction import YIELD_ANGLES
-from bdt_twin.yielding_trial import FIRST, TRIAL
 
 RATE, BLOCK = 1000.0, 5
 RESTLESS = NoiseLevels(1e-6, slow=1e-4)
@@ -109,39 +107,3 @@ def test_a_number_of_periods_that_only_seems_to_explain_more_is_not_taken(
     assert fit.simulated == tried.simulated + refused.simulated
     monkeypatch.undo()
     assert not any(memory.looks_for_cogging(RESTLESS) for _ in range(SEARCH_AGAIN - 1))
-
-
-def window_with_friction(**constants):
-    machine = UnknownMachine(coulomb_friction=0.01, **constants)
-    rows, _ = record(machine, Run(duration=20.0, sampling_rate=RATE, step_time=3.0))
-    stretch = Stretch(0, *np.ascontiguousarray(rows[:, 1:].T))
-    return WindowModel(PlantModel(), [stretch], np.arange(21.0), RATE, BLOCK)
-
-
-def test_friction_that_yields_is_found_with_its_angle():
-    angle = math.radians(0.4)
-    memory = MachineMemory(MotorParameters(coulomb_friction=0.01))
-    window = window_with_friction(presliding=angle)
-    followed(window, memory, 1)
-    for _ in range(FIRST):
-        memory.yielding.answer()
-    last = followed(window, memory, TRIAL + 3)
-    assert memory.present.issuperset(YIELDS)
-    found = dict(zip(EFFECTS, last.fit.unknowns.effects, strict=True))
-    assert found["friction_voltage"] == pytest.approx(0.01 / 0.8 * 12.0, rel=0.02)
-    mean = sum(found[name] * each for name, each in zip(YIELDING, YIELD_ANGLES, strict=True))
-    assert mean == pytest.approx(angle, rel=0.3)
-
-
-def test_friction_that_does_not_yield_is_rigid_again_after_a_trial(monkeypatch):
-    memory = MachineMemory(MotorParameters(coulomb_friction=0.01))
-    window = window_with_friction()
-    last = followed(window, memory, 3)
-    assert memory.present.isdisjoint(YIELDS)
-    memory._present |= set(YIELDS)
-    memory.yielding.begin()
-    for _ in range(TRIAL):
-        last = Predecessor(*next_fit(window, last, memory, math.radians(0.02)), 0.0)
-    assert memory.present.isdisjoint(YIELDS)
-    last = Predecessor(*next_fit(window, last, memory, math.radians(0.02)), 0.0)
-    assert np.abs(last.fit.unknowns.effects[YIELDS]).max() < 1e-5

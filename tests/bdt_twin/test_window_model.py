@@ -36,7 +36,8 @@ RESISTED = EFFECTS_ALONE | {
     "friction_growth": -8e-3,
     "friction_slope": 15.0,
 }
-YIELDS = EFFECTS_ALONE | {"yielding_soon": 0.4, "yielding": 0.3, "yielding_late": 0.2}
+YIELDS = EFFECTS_ALONE | {"yield_angle": 6e-3}
+YIELDS_AND_MORE = RESISTED | {"yield_angle": 6e-3}
 
 
 def unknowns_of(window, effects=RESISTED):
@@ -79,7 +80,8 @@ def test_unknowns_stay_where_they_have_a_meaning(closed_loop):
 
 @pytest.mark.parametrize("cuts", [[(0, 12000)], [(1000, 6000), (7000, 12000)]])
 @pytest.mark.parametrize(
-    ("effects", "share"), [(EFFECTS_ALONE, 0.08), (RESISTED, 0.13), (YIELDS, 0.13)]
+    ("effects", "share"),
+    [(EFFECTS_ALONE, 0.08), (RESISTED, 0.13), (YIELDS, 0.13), (YIELDS_AND_MORE, 0.13)],
 )
 def test_the_jacobian_is_that_of_the_simulation(closed_loop, cuts, effects, share):
     window = window_of(closed_loop(), *cuts)

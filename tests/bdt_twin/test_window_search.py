@@ -11,7 +11,7 @@ from bdt_plant.gap_profile import GapProfile
 from bdt_plant.plant import PlantModel
 from bdt_twin import window_search
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import EFFECTS, YIELDS, first_knowledge
+from bdt_twin.machine_knowledge import EFFECTS, YIELD_ANGLE, first_knowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error_fit import HALVINGS, WindowFit
 from bdt_twin.stretch import Stretch
@@ -27,7 +27,7 @@ from bdt_twin.window_search import (
 RATE, BLOCK = 1000.0, 5
 GROWTH_CHANGE = math.radians(0.02)
 # A motor without friction has none that yields.
-KNOWN = first_knowledge(PlantModel().motor).without(YIELDS)
+KNOWN = first_knowledge(PlantModel().motor).without({YIELD_ANGLE})
 GROWING = GapProfile(kind="ramp", initial=0.1, final=0.3, growth_time=12.0)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_twin.machine_knowledge import EFFECTS, YIELDING
+from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.resisted_model import rotated
 from bdt_twin.window_loop import DRIVES
 
@@ -46,7 +46,7 @@ def drive_bases(
         "cogging_cosine": -cosine,
         "friction_growth": -effect["friction_voltage"] * of["growth"],
         "friction_slope": -effect["friction_voltage"] * of["slope"],
-        **{name: -effect["friction_voltage"] * of[name] for name in YIELDING},
+        "yield_angle": -effect["friction_voltage"] * of["yielding"],
     }
     bases = np.zeros((len(EFFECTS), travel.size))
     for name, turned in acts.items():

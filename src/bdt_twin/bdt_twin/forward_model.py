@@ -18,7 +18,7 @@ from bdt_plant.structure import StructureState
 from bdt_twin.friction_change import UNCHANGED, FrictionChange
 from bdt_twin.resisted_plant import ResistedPlant
 from bdt_twin.window_loop import DRIVES, compiled_window
-from bdt_twin.yielding_friction import YIELD_ANGLES
+from bdt_twin.yielding_friction import SPRINGS
 
 FloatArray = NDArray[np.float64]
 
@@ -64,8 +64,8 @@ class StretchResponse(NamedTuple):
         a voltage [s] against the motion and one forward, a relative change of the gain beyond the
         motor's own angle [rad], an excess of friction at rest as a voltage [s], a relative change
         of the Stribeck speed per that excess [s], a load as a voltage per force [N s], the parts
-        of cogging [s], friction that changes with time [s^2] and along the screw [m s], and that
-        yields at each of ``YIELD_ANGLES`` [s] turn the motor, per what a motor turns in a second
+        of cogging [s], friction that changes with time [s^2] and along the screw [m s], and its
+        yield angle per friction [s/rad] turn the motor, per what a motor turns in a second
         for a volt.
     fast, slow : ndarray, shape (blocks,)
         Time in each block for which the motor turns fast, and slowly or nearly so [s].
@@ -198,8 +198,7 @@ def _first_bends(step: ResistedPlant, voltage: float) -> FloatArray:
     """Return the bends of the springs that hold a motor with a voltage [V], shape (springs,)."""
     taken = step.friction.coulomb * step.motor.resistance
     share = min(max(voltage / taken, -1.0), 1.0) if taken > 0.0 else 0.0
-    bends: FloatArray = share * np.array(YIELD_ANGLES)
-    return bends
+    return np.full(SPRINGS, share)
 
 
 def initial_state(

@@ -6,18 +6,18 @@ import numpy as np
 
 from bdt_twin.fit_doubt import FIRST_DOUBT
 from bdt_twin.fit_result import Fit
-from bdt_twin.fixed_order import dot
-from bdt_twin.machine_knowledge import YIELDS
+from bdt_twin.machine_knowledge import YIELD_ANGLE
 from bdt_twin.machine_memory import SMALLEST_FRICTION
 from bdt_twin.noise_levels import is_restless
+from bdt_twin.unknowns import SMALLEST_YIELD_ANGLE
 from bdt_twin.wave_problem import WaveProblem
 from bdt_twin.window_model import WindowModel
-from bdt_twin.yielding_friction import YIELD_ANGLES
 
 YIELDING_DOUBT = 0.2
-"""Share of the angle by which friction yields that its springs do not tell."""
-UNSEEN_YIELDING = 1.5e-3
-"""Angle by which friction that yields shifts a gap [rad] and is not told from a rigid one."""
+"""Share of the angle by which friction yields that is not told."""
+KNOWN_YIELDING, UNSEEN_YIELDING, UNEXPLAINED_YIELDING = 1.5e-3, 2e-3, 6e-3
+"""Angles by which friction that yields may shift a gap beside what is told [rad]: where it is known
+to yield, and where it is thought to be rigid, for a motor that is explained and one that walks."""
 ALIKE = 4.0
 """Reversals up to which it matters that they are alike: cogging that is unknown moves a motor that
 hardly turns at each of them in the same way."""
@@ -75,7 +75,9 @@ def yielding_doubt(fit: Fit) -> float:
     fit : Fit
         The fit of a window.
     """
-    if fit.unknowns.friction < SMALLEST_FRICTION:
+    angle, friction = float(fit.unknowns.effects[YIELD_ANGLE]), fit.unknowns.friction
+    if friction > 0.0 and angle >= SMALLEST_YIELD_ANGLE:
+        return max(YIELDING_DOUBT * angle, KNOWN_YIELDING)
+    if friction < SMALLEST_FRICTION:
         return 0.0
-    told = dot(fit.unknowns.effects[YIELDS], np.array(YIELD_ANGLES))
-    return max(YIELDING_DOUBT * told, UNSEEN_YIELDING)
+    return UNEXPLAINED_YIELDING if is_restless(fit.levels) else UNSEEN_YIELDING

@@ -21,8 +21,6 @@ COGGING_PARTS = ("cogging_sine", "cogging_cosine")
 """The two parts of a wave of the motor's angle."""
 FRICTION_CHANGES = ("friction_growth", "friction_slope")
 """What Coulomb friction changes by, with time and along the screw."""
-YIELDING = ("yielding_soon", "yielding", "yielding_late")
-"""Friction that yields before it slides, from a little angle on and later."""
 EFFECTS = (
     "friction_voltage",
     "voltage_offset",
@@ -33,7 +31,7 @@ EFFECTS = (
     "load_voltage",
     *COGGING_PARTS,
     *FRICTION_CHANGES,
-    *YIELDING,
+    "yield_angle",
 )
 """What a machine has that the paper's mechanism has not: Coulomb friction as the voltage that it
 takes [V], the voltage that the amplifier adds [V], the age of a reading [s], the drift of the
@@ -42,28 +40,28 @@ Stribeck speed over ``USUAL_STRIBECK_SPEED``, the voltage that the motor takes f
 which the structure resists the screw [V/N], the parts of the motor's cogging as voltages against
 forward motion, waves of its angle [V], and by which shares of it Coulomb friction changes with time
 [1/s] and along the screw [1/m]; it is that at the newest sample of a window, at position zero. Last
-come the shares of it that yield up to each of ``yielding_friction.YIELD_ANGLES``."""
+comes the angle by which it yields before it slides [rad]."""
 
 COGGING = frozenset(map(EFFECTS.index, COGGING_PARTS))
 """Places in ``EFFECTS`` of the parts of cogging."""
 
-YIELDS = [EFFECTS.index(name) for name in YIELDING]
-"""Places in ``EFFECTS`` of friction that yields, which joins as a whole."""
+YIELD_ANGLE = EFFECTS.index("yield_angle")
+"""Place in ``EFFECTS`` of the angle by which friction yields."""
 
 USUAL_STRIBECK_SPEED = 2.0
 """Stribeck speed of a motor that nobody has looked at [rad/s]."""
 
 EFFECT_LIMITS = np.array(
     [
-        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0, -0.1, -200.0, 0.0, 0.0, 0.0],
-        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0, 0.1, 200.0, 1.0, 1.0, 1.0],
+        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0, -0.1, -200.0, 0.0],
+        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0, 0.1, 200.0, 0.1],
     ]
 )
 """Smallest and largest values of ``EFFECTS``."""
 
 FACTOR_SPREAD = (0.3, 0.2, 0.7)
 """Standard deviations of the logarithms of ``FACTORS`` of a machine that nobody has looked at."""
-EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03, 5e-3, 20.0, 0.5, 0.5, 0.5)
+EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03, 5e-3, 20.0, 0.02)
 """Standard deviations of its ``EFFECTS``."""
 
 FACTOR_CHANGE_RATE = (5e-4, 5e-4, 5e-3)
@@ -80,9 +78,7 @@ EFFECT_CHANGE_RATE = (
     1e-3,
     2e-4,
     0.2,
-    5e-3,
-    5e-3,
-    5e-3,
+    1e-4,
 )
 """Random walk of ``EFFECTS``, in their units per s^0.5."""
 ABSENT = 1e-6

@@ -15,14 +15,12 @@ from bdt_twin.machine_knowledge import (
     COGGING,
     EFFECTS,
     FRICTION_CHANGES,
-    YIELDING,
-    YIELDS,
+    YIELD_ANGLE,
     MachineKnowledge,
     first_knowledge,
 )
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import is_restless
-from bdt_twin.yielding_trial import YIELDING_EVIDENCE, YieldingTrial
 
 FloatArray = NDArray[np.float64]
 
@@ -31,9 +29,9 @@ EVIDENCE = 4.0
 WITH_FRICTION = ("voltage_offset", "excess_voltage", "stribeck_speed", "load_voltage")
 """Effects of every motor with friction: friction differs by direction and by speed, and the screw
 has some, too. To leave them out until there is evidence would make the first windows too sure."""
-OF_FRICTION = frozenset(map(EFFECTS.index, (*FRICTION_CHANGES, *YIELDING)))
-"""Places in ``EFFECTS`` of what only a motor with friction has: changes of it, as which cogging
-appears, too, and that it yields."""
+OF_FRICTION = frozenset(map(EFFECTS.index, FRICTION_CHANGES))
+"""Places in ``EFFECTS`` of changes of the friction, which only a motor with friction has: cogging
+looks like such a change, too."""
 SMALLEST_FRICTION, FRICTION_COVERAGE = 0.02, 5.0
 """Voltage [V] and standard uncertainties from which on a motor has friction for certain: cogging
 looks like a little friction, too."""
@@ -102,8 +100,6 @@ class MachineMemory:
     ----------
     cogs : int
         Periods of the motor's cogging in a turn; 0 as long as there is no evidence of any.
-    yielding : YieldingTrial
-        Whether friction that yields is on trial.
     """
 
     def __init__(self, motor: MotorParameters) -> None:
@@ -112,7 +108,6 @@ class MachineMemory:
         self._known: _Told | None = None
         self._present = set[int]()
         self.cogs, self._unsearched = 0, SEARCH_EVERY
-        self.yielding = YieldingTrial()
         self._has_offset = False
         self._recalled: tuple[MachineKnowledge, float] | None = None
         if motor.coulomb_friction > 0.0:
@@ -133,14 +128,40 @@ class MachineMemory:
         present : collection of int
             Places in ``EFFECTS`` of what it has besides.
         """
-        self._forget()
-        self.yielding = YieldingTrial()
-        self.cogs, self._present = cogs, {*COGGING, *present}
-
-    def _forget(self) -> None:
-        """Forget what windows have told that thought the machine another one."""
         self._told.clear()
         self._known = self._recalled = None
+        self.cogs, self._present = cogs, {*COGGING, *present}
+
+    def with_yield_angle(self, angle: float) -> "MachineMemory":
+        """Return the memory of a machine like this, of which windows have not told anything.
+
+        What they have told is wrong if they thought its friction another one.
+
+        Parameters
+        ----------
+        angle : float
+            Angle by which its friction is expected to yield [rad]; 0 for rigid friction.
+        """
+        other, known = MachineMemory(self._motor), first_knowledge(self._motor)
+        other.cogs, other._present = self.cogs, self._present - {YIELD_ANGLE}
+        if angle > 0.0:
+            other._present |= {YIELD_ANGLE}
+        other._has_offset = self._has_offset
+        known.expected[len(FACTORS) + YIELD_ANGLE] = angle
+        other._recalled = known, 0.0
+        return other
+
+    def be_like(self, other: "MachineMemory") -> None:
+        """Take over what another memory knows to be present, but for whether friction yields.
+
+        Parameters
+        ----------
+        other : MachineMemory
+            The other one.
+        """
+        yields = self._present & {YIELD_ANGLE}
+        self.cogs, self._present = other.cogs, (other._present - {YIELD_ANGLE}) | yields
+        self._has_offset = other._has_offset
 
     def recollection(self) -> MachineRecollection | None:
         """Return what is worth keeping; None before the first window has told anything."""
@@ -185,12 +206,10 @@ class MachineMemory:
             if self._known.cogs != self.cogs:
                 new |= COGGING
             known = aged.bounded(known).forgetting(new)
-        absent = set(range(len(EFFECTS))) - self._present
-        return known.forgetting(absent & set(YIELDS)).without(absent)
+        return known.without(set(range(len(EFFECTS))) - self._present)
 
     def learn(self, time: float, machine: MachineKnowledge) -> None:
         """Remember what a window has told that ended at a time [s]."""
-        self.yielding.answer()
         self._told.append(_Told(time, machine, self.present, self.cogs))
 
     def has_evidence(self, evidence: FloatArray, machine: MachineKnowledge) -> bool:
@@ -203,51 +222,33 @@ class MachineMemory:
         evidence : ndarray, shape (effects,)
             Gain of log-likelihood by each of ``EFFECTS``.
         """
-        has_friction = self._has_friction(machine)
+        has_friction = self.has_friction(machine)
         others = {EFFECTS.index(name) for name in WITH_FRICTION} - self._present
         if others and has_friction:
             self._present |= others
             return True
         gains = evidence.copy()
         gains[list(self._present if has_friction else self._present | OF_FRICTION)] = 0.0
-        gains[YIELDS] = 0.0
         if float(gains.max()) <= EVIDENCE:
             return False
         self._present.add(int(gains.argmax()))
         return True
 
-    def _has_friction(self, machine: MachineKnowledge) -> bool:
-        friction = EFFECTS.index("friction_voltage")
-        place = len(FACTORS) + friction
-        surely = FRICTION_COVERAGE * math.sqrt(float(machine.covariance[place, place]))
-        found = float(machine.expected[place])
-        return friction in self._present and found > max(surely, SMALLEST_FRICTION)
-
-    def suspects_yielding(self, evidence: FloatArray, machine: MachineKnowledge) -> bool:
-        """Take friction for one that yields, on trial, if there is evidence; tell whether so.
-
-        Parameters are those of :meth:`has_evidence`.
-        """
-        if not self._present.isdisjoint(YIELDS) or not self._has_friction(machine):
-            return False
-        if not self.yielding.may_begin or float(evidence[YIELDS].max()) <= YIELDING_EVIDENCE:
-            return False
-        self._present |= set(YIELDS)
-        self._forget()
-        self.yielding.begin()
-        return True
-
-    def judge_yielding(self, machine: MachineKnowledge) -> None:
-        """Take friction for a rigid one again where a trial has failed.
+    def has_friction(self, machine: MachineKnowledge, least: float = SMALLEST_FRICTION) -> bool:
+        """Tell whether a window has told that the motor has friction for certain.
 
         Parameters
         ----------
         machine : MachineKnowledge
-            What a window has told.
+            What it has told.
+        least : float
+            Voltage from which on it is friction [V].
         """
-        if not self._present.isdisjoint(YIELDS) and self.yielding.has_failed(machine):
-            self._present -= set(YIELDS)
-            self._forget()
+        friction = EFFECTS.index("friction_voltage")
+        place = len(FACTORS) + friction
+        surely = FRICTION_COVERAGE * math.sqrt(float(machine.covariance[place, place]))
+        found = float(machine.expected[place])
+        return friction in self._present and found > max(surely, least)
 
     def looks_for_cogging(self, levels: NoiseLevels) -> bool:
         """Tell whether it is time to look for cogging in a window with these levels of noise."""

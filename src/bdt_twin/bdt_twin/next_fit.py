@@ -3,20 +3,15 @@
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bdt_twin.cogging_search import cogging_evidence
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
-from bdt_twin.machine_knowledge import COGGING, YIELDS
+from bdt_twin.machine_knowledge import COGGING
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.noise_levels import quiet
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor, predicted_unknowns, without_growth
 from bdt_twin.window_search import FINE, fit_window
-
-FloatArray = NDArray[np.float64]
 
 MOST_NEWCOMERS = 2
 """Effects that may join the unknowns in one window; each takes another fit."""
@@ -86,17 +81,14 @@ def next_fit(
     predicted, otherwise, error, levels = None, None, math.inf, None
     if last is not None:
         predicted = predicted_unknowns(window, last)
-        if machine.present.isdisjoint(YIELDS):
-            predicted = replace(predicted, effects=_rigid(predicted.effects))
         otherwise = without_growth(window, last, predicted)
         error, levels = last.fit.prediction_error, last.fit.levels
     known = machine.before(*window.span)
     fit = fit_window(window, growth_change, known, predicted, error, levels, otherwise)
-    for number in range(MOST_NEWCOMERS):
+    for _ in range(MOST_NEWCOMERS):
         if fit.simulated > max(MUCH_WORK, FINE * window.samples):
             break
-        yields = number == 0 and machine.suspects_yielding(fit.evidence, fit.machine)
-        if yields or machine.has_evidence(fit.evidence, fit.machine):
+        if machine.has_evidence(fit.evidence, fit.machine):
             # What explains more is found from here; the error may only become smaller.
             known = machine.before(*window.span)
             found = fit_window(window, growth_change, known, fit.unknowns, math.inf, fit.levels)
@@ -108,15 +100,7 @@ def next_fit(
                 break
         else:
             break
-    machine.judge_yielding(fit.machine)
     return window, fit
-
-
-def _rigid(effects: FloatArray) -> FloatArray:
-    """Return effects without friction that yields."""
-    changed = effects.copy()
-    changed[YIELDS] = 0.0
-    return changed
 
 
 def _with_cogging(

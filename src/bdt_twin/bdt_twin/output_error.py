@@ -14,6 +14,7 @@ from bdt_plant.elementary_functions import float_exponential
 from bdt_plant.plant import PlantModel
 from bdt_plant.quick_exponential import compiled_powers
 from bdt_twin import fixed_order, robust_sums
+from bdt_twin.alternative_friction import AlternativeFriction
 from bdt_twin.answer_check import AnswerCheck
 from bdt_twin.cogging_trials import CoggingTrials
 from bdt_twin.cogging_waves import compiled_waves
@@ -53,8 +54,7 @@ LOOPS = (
 )
 """What to call before the first data wait."""
 MOST_HELD = 5
-"""Windows in a row that leave the gap unknown, or their newest data unexplained, after which a fit
-begins anew."""
+"""Windows in a row that leave the gap or their newest data unknown before a fit begins anew."""
 LARGEST_SATURATED_TRAVEL = 2.0
 """Angle by which the motor may turn, beside twice the gap, while the position is stuck [rad]."""
 
@@ -139,7 +139,7 @@ class OutputErrorEstimator:
         self._machine = MachineMemory(self._model.motor)
         if self._recalled is not None:
             self._machine.recall(*self._recalled)
-        self._trials = CoggingTrials(self._model.motor)
+        self._trials, self._friction = CoggingTrials(self._model.motor), AlternativeFriction()
 
     def update(self, batch: FloatArray, *, newest_only: bool = False) -> Estimate | None:
         """Take the next batch.
@@ -191,9 +191,8 @@ class OutputErrorEstimator:
         shortest = round(chosen.shortest_stretch * rate)
         stretches = self._window.stretches(newest + 1, shortest, self._block)
         if not stretches:
-            return self._hold_estimate(
-                time, f"no {chosen.shortest_stretch:g} s of data without a hole"
-            )
+            reason = f"no {chosen.shortest_stretch:g} s of data without a hole"
+            return self._hold_estimate(time, reason)
         if not any(stretch.voltage.any() for stretch in stretches):
             return self._hold_estimate(time, "the motor does not move")
         known = 0.0 if self.last_fit is None else self.last_fit.estimate.gap
@@ -203,9 +202,8 @@ class OutputErrorEstimator:
             > LARGEST_SATURATED_TRAVEL + 2.0 * known
             for stretch in stretches
         ):
-            return self._hold_estimate(
-                time, "the position is stuck at its extreme while the motor turns"
-            )
+            reason = "the position is stuck at its extreme while the motor turns"
+            return self._hold_estimate(time, reason)
         numbers = np.arange(
             math.floor(stretches[0].first / rate / spacing),
             math.ceil((newest + 1) / rate / spacing) + 1,
@@ -216,6 +214,9 @@ class OutputErrorEstimator:
         averaged = [stretch.averaged(every, block) for stretch in stretches]
         window = WindowModel(self._model, averaged, knots, rate / every, block, self._machine.cogs)
         window, fit = next_fit(window, self._predecessor, self._machine, self._growth.change)
+        machine, fit = self._friction.better(window, fit, self._machine, self._growth.change)
+        if machine is not self._machine:
+            self._machine, self._predecessor = machine, Predecessor(window, fit, 0.0)
         estimate = self._validate(window, fit, newest)
         if estimate.reason:
             self._try_cogging(window, fit)
@@ -226,6 +227,7 @@ class OutputErrorEstimator:
         found = self._trials.advance(window, fit, self._machine, self._growth.change)
         if found is not None:
             self._machine.begin_anew(found.cogs, found.present)
+            self._friction = AlternativeFriction()
             self._predecessor, self._held = found.window, 0
             self._error = found.window.fit.prediction_error
 
@@ -264,16 +266,14 @@ class OutputErrorEstimator:
         # Windows that follow find out more from here, unless it is here that nothing is found.
         follows = self._held < MOST_HELD
         self._predecessor = Predecessor(window, fit, growth) if follows else None
-        if not follows:
-            self._held = 0
+        self._held = self._held if follows else 0
         gain = float_exponential(float(fit.unknowns.factors[FACTORS.index("gain")]))
+        # A gap that has jumped does not grow from knot to knot: it is that at either of them.
+        jump = 0.5 * self._settings.knot_spacing * sudden
         estimate = Estimate(
             time=stamp,
             gap=gap,
-            # A gap that has jumped does not grow from knot to knot: it is that at either of them.
-            uncertainty=math.hypot(
-                uncertainty, yielding_doubt(fit), 0.5 * self._settings.knot_spacing * sudden
-            ),
+            uncertainty=math.hypot(uncertainty, yielding_doubt(fit), jump),
             growth=growth,
             growth_uncertainty=math.hypot(growth_uncertainty, sudden),
             gain_correction=gain,

@@ -10,14 +10,13 @@ from bdt_plant.plant import PlantModel
 from bdt_plant.resisted_motor import ResistedMotor
 from bdt_plant.screw_load import ScrewLoad
 from bdt_plant.stribeck import FrictionLaw
-from bdt_twin.machine_knowledge import EFFECTS, USUAL_STRIBECK_SPEED, YIELDING
+from bdt_twin.machine_knowledge import EFFECTS, USUAL_STRIBECK_SPEED
 from bdt_twin.model_factors import FACTORS, plant_step_with
 from bdt_twin.resisted_plant import NO_COGS, Cogs, ResistedPlant
-from bdt_twin.yielding_friction import RIGID, YieldingFriction
 
 FloatArray = NDArray[np.float64]
-LITTLE = 1e-4
-"""Share of the friction that yields up to which none does."""
+RIGID = 1e-4
+"""Yield angle [rad] below which friction is rigid."""
 
 Wave = TypeVar("Wave", float, NDArray[np.float64])
 
@@ -60,18 +59,8 @@ def resisted_plant_with(
         model.structure.stiffness * ratios["stiffness"],
         model.structure.damping * ratios["damping"],
         NO_COGS,
-        yielding_friction(effect),
+        effect["yield_angle"] if effect["yield_angle"] > RIGID else 0.0,
     )
-
-
-def yielding_friction(effect: dict[str, float]) -> YieldingFriction:
-    """Return how much of the friction yields, for ``machine_knowledge.EFFECTS`` by name."""
-    soon, usual, late = (effect[name] for name in YIELDING)
-    share = soon + usual + late
-    # An effect that is absent is not quite zero.
-    if share < LITTLE:
-        return RIGID
-    return YieldingFriction((soon, usual, late), max(1.0 - share, 0.0))
 
 
 def with_cogs(step: ResistedPlant, cogs: int, turns: float, effects: FloatArray) -> ResistedPlant:

@@ -18,7 +18,7 @@ from bdt_plant.screw_load import ScrewLoad, backward_load, forward_load
 from bdt_plant.stribeck import FrictionLaw
 from bdt_plant.structure import structure_step
 from bdt_twin.cog_wave import cog_wave
-from bdt_twin.yielding_friction import YieldingFriction, yielding_motor_step
+from bdt_twin.yielding_friction import yielding_motor_step
 
 FloatArray = NDArray[np.float64]
 
@@ -76,8 +76,8 @@ class ResistedPlant(NamedTuple):
         Those of the structure's lowest beams [N/m, N s/m].
     cogs : Cogs
         Cogging of the motor.
-    yielding : YieldingFriction
-        How much of the friction yields before it slides.
+    yield_angle : float
+        Yield angle of friction that yields before it slides [rad]; 0 for a rigid one.
     """
 
     plant: DiscretePlant
@@ -87,7 +87,7 @@ class ResistedPlant(NamedTuple):
     stiffness: float
     damping: float
     cogs: Cogs
-    yielding: YieldingFriction
+    yield_angle: float
 
 
 def resisted_plant_step(
@@ -109,7 +109,7 @@ def resisted_plant_step(
     step : ResistedPlant
         Discrete model of the plant.
     bends : ndarray, shape (springs,)
-        Bends of the springs of friction that yields, at the beginning [rad].
+        Bends of the springs of friction that yields, at the beginning.
     """
     law, speed = step.friction, state.motor.speed
     is_slow = law.excess > 0.0 and abs(speed) < FAST * law.stribeck_speed
@@ -129,10 +129,10 @@ def resisted_plant_step(
         size = law.coulomb
         if is_slow:
             size += law.excess * slow_share(abs(middle) / law.stribeck_speed)
-        if step.yielding.rigid < 1.0:
+        if step.yield_angle > 0.0:
             loads = load, backward, forward
             motor = yielding_motor_step(
-                state.motor, voltage, loads, size, bends, step.yielding, step.motor
+                state.motor, voltage, loads, size, bends, step.yield_angle, step.motor
             )
         else:
             motor = resisted_motor_step(

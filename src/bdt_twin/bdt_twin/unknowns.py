@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_twin.fixed_order import total
-from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, YIELDS
+from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, YIELD_ANGLE
 from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
@@ -15,6 +14,9 @@ INITIAL_CONDITION = ("share", "offset", "q2", "q2_velocity", "q3", "q3_velocity"
 """Unknowns at the beginning of a stretch; see :class:`Unknowns`."""
 MOST_EXCESS = 1.0
 """Largest excess of friction at rest over that of a fast motor, as a share of it."""
+
+SMALLEST_YIELD_ANGLE = 3e-4
+"""Smallest angle by which friction yields that does so [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,9 @@ class Unknowns:
         # Cogging, which is largest at rest, too, is no friction of a motor that has next to none.
         excess, friction = EFFECTS.index("excess_voltage"), EFFECTS.index("friction_voltage")
         effects[excess] = min(effects[excess], MOST_EXCESS * effects[friction])
-        effects[YIELDS] /= max(total(effects[YIELDS]), 1.0)
+        # A fit that has made friction rigid would not find out that it yields.
+        least = min(float(self.effects[YIELD_ANGLE]), SMALLEST_YIELD_ANGLE)
+        effects[YIELD_ANGLE] = max(float(effects[YIELD_ANGLE]), least)
         initial_conditions = rest.reshape(self.initial_conditions.shape).copy()
         np.clip(initial_conditions[:, 0], -1.0, 1.0, out=initial_conditions[:, 0])
         return Unknowns(

@@ -20,7 +20,6 @@ from bdt_twin.friction_change import (
     changed_share,
     felt_voltage,
 )
-from bdt_twin.machine_knowledge import YIELDING
 from bdt_twin.resisted_plant import (
     COGGED_SPEED,
     FAST,
@@ -33,12 +32,11 @@ from bdt_twin.resisted_plant import (
     steepness,
 )
 from bdt_twin.yielding_friction import (
-    RIGID,
+    SLIP_ANGLES,
     SPRINGS,
-    YIELD_ANGLES,
     bend_springs,
     elastic_share,
-    elastic_stiffness,
+    held_share,
     sliding_direction,
     yielding_motor_step,
 )
@@ -56,12 +54,10 @@ DRIVES = (
     "cogging_cosine",
     "growth",
     "slope",
-    *YIELDING,
+    "yielding",
 )
 """What moves the motor, as time integrals since the beginning; see ``StretchResponse.drives``."""
 DRIVE_COUNT = len(DRIVES)
-FIRST_SPRING = DRIVES.index(YIELDING[0])
-"""Place of the first spring of friction that yields."""
 
 
 @cache
@@ -103,8 +99,8 @@ STEPS = (
     cog_wave,
     bend_springs,
     elastic_share,
-    elastic_stiffness,
     sliding_direction,
+    held_share,
     yielding_motor_step,
     changed_share,
     felt_voltage,
@@ -122,7 +118,7 @@ def _model_step() -> ResistedPlant:
         0.0,
         0.0,
         NO_COGS,
-        RIGID,
+        0.0,
     )
 
 
@@ -151,11 +147,12 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         drives, last_drives = np.zeros(DRIVE_COUNT), np.zeros(DRIVE_COUNT)
         begun = np.zeros(DRIVE_COUNT)
         law, cogs = step.friction, step.cogs.periods_per_radian
-        yielding, taken = step.yielding, law.coulomb * step.motor.resistance
-        yields = yielding.rigid < 1.0
-        sliding = 0.0
-        # Drives when a spring began to bend: from there on it holds back what turns the motor.
-        slips, held_from = np.ones(SPRINGS), np.zeros((SPRINGS, DRIVE_COUNT))
+        taken, yield_angle = law.coulomb * step.motor.resistance, step.yield_angle
+        yields, sliding = taken > 0.0 and yield_angle > 0.0, 0.0
+        # Bends of springs when they last slipped or the stretch began, and the drives since when
+        # they hold back what turns the motor.
+        bent_from, held_from = bends.copy(), np.zeros((SPRINGS, DRIVE_COUNT))
+        slips = np.ones(SPRINGS)
         is_resisted = yields or law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
         changes, pitch = change.growth != 0.0 or change.slope != 0.0, step.plant.pitch
         per_speed = 1.0 / law.stribeck_speed
@@ -185,29 +182,28 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                 elif abs(speed) > TURNING or abs(voltage[k]) > standing_voltage:
                     slow += sample_time
                 turned = state.motor.angle - turned_from
-                if taken > 0.0 and turned * sliding <= 0.0:
-                    bend_springs(bends, turned)
+                if yields and turned * sliding <= 0.0:
+                    bend_springs(bends, turned, yield_angle)
                     sliding = sliding_direction(bends)
                     for spring in range(SPRINGS):
-                        if abs(bends[spring]) == YIELD_ANGLES[spring]:
-                            slips[spring] = 1.0
+                        if abs(bends[spring]) == 1.0:
+                            slips[spring], bent_from[spring] = 1.0, bends[spring]
                         elif slips[spring] > 0.0:
                             slips[spring] = 0.0
                             held_from[spring] = drives
                 if abs(speed) > TURNING:
                     # A voltage is felt more where friction falls with speed.
-                    sign, felt, amplified = 1.0 if speed > 0.0 else -1.0, sample_time, 0.0
-                    holds = taken > 0.0 and sliding == 0.0
+                    ahead = 1.0 if speed > 0.0 else -1.0
+                    sign, felt, amplified = ahead, sample_time, 0.0
+                    holds, size = yields and sliding == 0.0, taken
                     if holds:
-                        for spring in range(SPRINGS):
-                            bent = bends[spring] / YIELD_ANGLES[spring]
-                            drives[FIRST_SPRING + spring] += sample_time * (bent - sign)
                         # Springs that do not slip pull less than friction is.
-                        sign = sign * yielding.rigid + elastic_share(bends, 0.0, yielding)
+                        sign = elastic_share(bends, 0.0, yield_angle)
                     ratio = abs(speed) * per_speed
                     if ratio < FAST:
                         share = slow_share(ratio)
-                        felt = sample_time / slope_left(ratio, share, steep)
+                        size += law.excess * step.motor.resistance * share
+                        felt = sample_time / slope_left(ratio, share, ahead * sign * steep)
                         amplified = felt - sample_time
                         drives[3] += sign * felt * share
                         drives[4] += sign * felt * share * 2.0 * ratio * ratio
@@ -225,12 +221,14 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         drives[7] += felt * cosine
                     drives[8] += sign * felt * lasted
                     drives[9] += sign * felt * covered
-                    if yields and holds:
+                    if holds:
                         stiffness = 0.0
                         for spring in range(SPRINGS):
-                            if slips[spring] == 0.0 and yielding.shares[spring] > 0.0:
-                                stiff = yielding.shares[spring] * taken * sample_time
-                                stiff /= YIELD_ANGLES[spring] * back_emf
+                            if slips[spring] == 0.0:
+                                softened = felt * size * (bent_from[spring] - bends[spring])
+                                drives[10] += softened / (SPRINGS * yield_angle * taken)
+                                stiff = felt * size / (SPRINGS * back_emf)
+                                stiff /= SLIP_ANGLES[spring] * yield_angle
                                 stiffness += stiff
                                 for drive in range(DRIVE_COUNT):
                                     drives[drive] += stiff * held_from[spring, drive]

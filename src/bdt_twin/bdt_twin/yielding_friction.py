@@ -1,16 +1,19 @@
 """Friction that yields before it slides (presliding).
 
-Surfaces touch at asperities, which bend like springs before they slip. Springs of several yield
-angles a_i, each with a share s_i of the friction, make up the curves by which friction builds up
-after a reversal (Iwan, 1966; also known as Maxwell slip), be they Dahl's, LuGre's or others:
+Surfaces touch at asperities, which bend like springs before they slip. From a reversal on friction
+builds up with the motor's angle x as in the models of Dahl and LuGre,
 
-    friction = F (s_0 sgn(omega_m) + sum_i s_i z_i / a_i),
+    friction = F (1 - 2 exp(-x / theta_y)),
 
-where the bend z_i of a spring follows the motor's angle within a_i to either side, and s_0 is what
-is left for friction that does not yield. The sizes F and s_0 F are those of a motor that slides.
+with the yield angle theta_y, and from a rest within this curve on curves of half its size. Springs
+that slip at different angles make up just that (Iwan, 1966; also known as Maxwell slip):
+
+    friction = F mean(z_i),    z_i in [-1, 1] follows x / (a_i theta_y).
+
+Their angles are distributed by a gamma distribution of shape 2 and mean 1, of which three springs
+with a third of the friction each stand for a third each; the curve is off by 0.03 F at most. F is
+the friction of a motor that slides.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,82 +23,87 @@ from bdt_plant.resisted_motor import ResistedMotor, resisted_motor_step
 
 FloatArray = NDArray[np.float64]
 
-YIELD_ANGLES = (2.5e-3, 1e-2, 4e-2)
-"""Angles of the motor up to which the springs bend before they slip [rad]."""
-SPRINGS = len(YIELD_ANGLES)
+SLIP_ANGLES = (0.3543, 0.8490, 1.7967)
+"""Angles from rest at which the springs slip, over the yield angle: a_i."""
+SPRINGS = len(SLIP_ANGLES)
 """Number of springs."""
 
 
-class YieldingFriction(NamedTuple):
-    """How much of the friction yields.
-
-    Attributes
-    ----------
-    shares : tuple of float
-        Share of the friction of each spring.
-    rigid : float
-        Share that does not yield.
-    """
-
-    shares: tuple[float, float, float]
-    rigid: float
-
-
-RIGID = YieldingFriction((0.0, 0.0, 0.0), 1.0)
-"""Coulomb friction: nothing yields."""
-
-
-def bend_springs(bends: FloatArray, turned: float) -> None:
+def bend_springs(bends: FloatArray, turned: float, yield_angle: float) -> None:
     """Bend the springs as a motor does that turns.
 
     Parameters
     ----------
     bends : ndarray, shape (springs,)
-        Bends of the springs [rad]; changed.
+        Bends z of the springs, -1 or 1 where they slip; changed.
     turned : float
         Angle by which the motor has turned [rad].
+    yield_angle : float
+        Yield angle theta_y [rad].
     """
     for spring in range(SPRINGS):
-        most = YIELD_ANGLES[spring]
-        bends[spring] = min(max(bends[spring] + turned, -most), most)
+        bent = bends[spring] + turned / (SLIP_ANGLES[spring] * yield_angle)
+        bends[spring] = min(max(bent, -1.0), 1.0)
 
 
-def elastic_share(bends: FloatArray, turned: float, friction: YieldingFriction) -> float:
-    """Return the torque of the springs after a turn of the motor, over the whole friction.
+def elastic_share(bends: FloatArray, turned: float, yield_angle: float) -> float:
+    """Return the torque of the springs after a turn of the motor, over that of sliding friction.
 
     Parameters
     ----------
     bends : ndarray, shape (springs,)
-        Bends of the springs before [rad].
+        Bends of the springs before.
     turned : float
         Angle by which the motor turns [rad].
-    friction : YieldingFriction
-        How much of the friction yields.
+    yield_angle : float
+        Yield angle theta_y [rad].
     """
     torque = 0.0
     for spring in range(SPRINGS):
-        bent = (bends[spring] + turned) / YIELD_ANGLES[spring]
-        torque += friction.shares[spring] * min(max(bent, -1.0), 1.0)
-    return torque
+        bent = bends[spring] + turned / (SLIP_ANGLES[spring] * yield_angle)
+        torque += min(max(bent, -1.0), 1.0)
+    return torque / SPRINGS
 
 
-def elastic_stiffness(bends: FloatArray, turned: float, friction: YieldingFriction) -> float:
-    """Return the stiffness of the springs that do not slip in a turn, over the friction [1/rad].
+def held_share(bends: FloatArray, free: float, per_friction: float, yield_angle: float) -> float:
+    """Return the mean torque of the springs over a step, over that of sliding friction.
 
-    Parameters are those of :func:`elastic_share`.
+    Parameters
+    ----------
+    bends : ndarray, shape (springs,)
+        Bends of the springs before.
+    free : float
+        Angle by which the motor turns if the springs go on to pull as they do [rad].
+    per_friction : float
+        Angle by which the friction of a motor that slides turns it less in the step [rad].
+    yield_angle : float
+        Yield angle theta_y [rad].
     """
-    stiffness = 0.0
-    for spring in range(SPRINGS):
-        if abs(bends[spring] + turned) < YIELD_ANGLES[spring]:
-            stiffness += friction.shares[spring] / YIELD_ANGLES[spring]
-    return stiffness
+    direction = 1.0 if free > 0.0 else -1.0
+    turned, more, weight = 0.0, 0.0, 0.0
+    # Newton's steps from rest never go too far, for springs only ever begin to slip on the way;
+    # with each but the last one spring more does.
+    for number in range(SPRINGS + 1):
+        stiffness = 0.0
+        for spring in range(SPRINGS):
+            slips_at = SLIP_ANGLES[spring] * yield_angle
+            if direction * (bends[spring] + turned / slips_at) < 1.0:
+                stiffness += per_friction / (SPRINGS * slips_at)
+        if number == 0:
+            # That of the end in the mean over the step, of a motor that settles evenly: 1/2 for
+            # soft springs, 1 for those that hold it within a part of the step.
+            weight = (6.0 + stiffness * (3.0 + stiffness)) / (12.0 + stiffness * (4.0 + stiffness))
+        left = free - turned - weight * per_friction * more
+        turned += left / (1.0 + weight * stiffness)
+        more = elastic_share(bends, turned, yield_angle) - elastic_share(bends, 0.0, yield_angle)
+    return elastic_share(bends, 0.0, yield_angle) + weight * more
 
 
 def sliding_direction(bends: FloatArray) -> float:
     """Return 1 or -1 where all springs slip forward or backward, else 0."""
     direction = 1.0 if bends[0] > 0.0 else -1.0
     for spring in range(SPRINGS):
-        if direction * bends[spring] < YIELD_ANGLES[spring]:
+        if direction * bends[spring] < 1.0:
             return 0.0
     return direction
 
@@ -106,13 +114,13 @@ def yielding_motor_step(
     loads: tuple[float, float, float],
     size: float,
     bends: FloatArray,
-    friction: YieldingFriction,
+    yield_angle: float,
     step: ResistedMotor,
 ) -> MotorState:
     """Advance a motor with yielding friction by one step with `voltage` [V] held.
 
-    The springs pull over the step as they do in its end, which is stable however stiff they are;
-    the error is of first order in the step.
+    It is stable however stiff the springs are; the error is of second order in the step while none
+    begins to slip.
 
     Parameters
     ----------
@@ -126,21 +134,17 @@ def yielding_motor_step(
     size : float
         Friction of a motor that slides, as a current [A].
     bends : ndarray, shape (springs,)
-        Bends of the springs at the beginning [rad].
-    friction : YieldingFriction
-        How much of the friction yields.
+        Bends of the springs at the beginning.
+    yield_angle : float
+        Yield angle theta_y [rad].
     step : ResistedMotor
         From :func:`bdt_plant.resisted_motor.discretize_resisted_motor`.
     """
     load, backward, forward = loads
-    backward, forward = backward + size * friction.rigid, forward + size * friction.rigid
-    turned = 0.0
+    held = elastic_share(bends, 0.0, yield_angle)
     if motor.speed * sliding_direction(bends) <= 0.0:
-        held = size * elastic_share(bends, 0.0, friction)
-        first = resisted_motor_step(motor, voltage, load + held, backward, forward, step)
-        turned = first.angle - motor.angle
-        # Each ampere that is held turns the motor less.
+        first = resisted_motor_step(motor, voltage, load + size * held, backward, forward, step)
         per_current = step.motor.angle[0] + step.resistance * step.motor.angle[2]
-        turned /= 1.0 + size * per_current * elastic_stiffness(bends, turned, friction)
-    held = size * elastic_share(bends, turned, friction)
-    return resisted_motor_step(motor, voltage, load + held, backward, forward, step)
+        free = first.angle - motor.angle
+        held = held_share(bends, free, size * per_current, yield_angle)
+    return resisted_motor_step(motor, voltage, load + size * held, backward, forward, step)

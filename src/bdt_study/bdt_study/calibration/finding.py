@@ -43,9 +43,7 @@ LARGEST_UNCERTAINTY = {
     "cogging_cosine": 5e-3,
     "friction_growth": 1e-3,
     "friction_slope": 5.0,
-    "yielding_soon": 0.3,
-    "yielding": 0.3,
-    "yielding_late": 0.1,
+    "yield_angle": 2e-3,
     "gap": math.radians(1.0),
 }
 """Standard uncertainties above which data have not determined something: of logarithms of the
@@ -66,9 +64,7 @@ MOTION_OF = {
     "cogging_cosine": "slow motion over some millimeters",
     "friction_growth": "the same motion at the beginning and at the end",
     "friction_slope": "slow motion over more of the travel",
-    "yielding_soon": "slow reversals, with rests",
-    "yielding": "slow reversals, with rests",
-    "yielding_late": "slow reversals, with rests",
+    "yield_angle": "slow reversals, with rests",
     "gap": "reversals of the motor, each beyond the gap",
 }
 """Motion that would tell what the data do not."""

@@ -16,7 +16,7 @@ from bdt_study.calibration.finding import LARGEST_UNCERTAINTY, Finding, structur
 from bdt_study.calibration.identification import Identification
 from bdt_study.calibration.motor_lag import SMALLEST_LAG, motor_lag, with_lag
 from bdt_study.calibration.start_values import model_values
-from bdt_twin.machine_knowledge import COGGING_PARTS, USUAL_STRIBECK_SPEED, YIELDING
+from bdt_twin.machine_knowledge import COGGING_PARTS, USUAL_STRIBECK_SPEED
 
 TORQUE_OF_A_VOLT = ("motor.torque_constant", "motor.resistance")
 """Constants on which it depends what torque a voltage is."""
@@ -27,7 +27,7 @@ RATIOS = (
     ("load_voltage", "V/N"),
     ("friction_growth", "1/s"),
     ("friction_slope", "1/m"),
-    *((name, "") for name in YIELDING),
+    ("yield_angle", "rad"),
 )
 """Effects that the data tell by themselves where the machine has them, and their units."""
 COVERAGE = 2.0
