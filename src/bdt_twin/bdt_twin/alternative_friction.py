@@ -16,7 +16,6 @@ from bdt_twin.machine_knowledge import YIELD_ANGLE
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.noise_levels import is_restless, quiet
 from bdt_twin.output_error_fit import WindowFit
-from bdt_twin.unknowns import Unknowns
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor, predicted_unknowns
 from bdt_twin.window_search import FINE
@@ -32,8 +31,6 @@ LEAST_FRICTION = 5e-3
 FIRST_ANGLE, SMALLEST_ANGLE, LARGEST_ANGLE = 2e-3, 1e-3, 2e-2
 """Yield angle with which the first fit of friction that yields begins, and least and largest ones
 of those that begin anew [rad]."""
-GAP_PER_ANGLE = 1.5
-"""By how much larger a gap seems for friction that yields, over the yield angle."""
 COMPARISONS = 5
 """Comparisons in a row that have to agree."""
 LEAST_GAIN, TOTAL_GAIN = 5.0, 150.0
@@ -120,7 +117,7 @@ class AlternativeFriction:
     ) -> Fit:
         """Return the fit of a window with the other friction."""
         if self._last is None:
-            begun, levels = _moved(fit.unknowns, self._other_angle(machine)), fit.levels
+            begun, levels = fit.unknowns.with_yield_angle(self._other_angle(machine)), fit.levels
         else:
             begun, levels = predicted_unknowns(window, self._last), self._last.fit.levels
         other.be_like(machine)
@@ -154,11 +151,3 @@ class AlternativeFriction:
         angles = [each.angle for each in self._comparisons]
         is_alike = max(angles) < ALIKE * min(angles)
         return is_alike and min(gains) > LEAST_GAIN and sum(gains) > TOTAL_GAIN
-
-
-def _moved(unknowns: Unknowns, angle: float) -> Unknowns:
-    """Return unknowns with another yield angle, and gaps that go with it."""
-    effects = unknowns.effects.copy()
-    gaps = unknowns.gaps + GAP_PER_ANGLE * (angle - float(effects[YIELD_ANGLE]))
-    effects[YIELD_ANGLE] = angle
-    return replace(unknowns, effects=effects, gaps=gaps.clip(0.0))

@@ -1,6 +1,6 @@
 """What the fit of a window looks for, as an object and as a vector."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,8 @@ MOST_EXCESS = 1.0
 
 SMALLEST_YIELD_ANGLE = 3e-4
 """Smallest angle by which friction yields that does so [rad]."""
+GAP_PER_ANGLE = 1.5
+"""By how much larger a gap seems for friction that yields, over the yield angle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +48,19 @@ class Unknowns:
     def friction(self) -> float:
         """Voltage that the motor's Coulomb friction takes [V]."""
         return float(self.effects[EFFECTS.index("friction_voltage")])
+
+    def with_yield_angle(self, angle: float) -> "Unknowns":
+        """Return them for friction that yields by another angle [rad], with gaps that go with it.
+
+        Parameters
+        ----------
+        angle : float
+            The yield angle [rad]; 0 for rigid friction.
+        """
+        effects = self.effects.copy()
+        gaps = self.gaps + GAP_PER_ANGLE * (angle - float(effects[YIELD_ANGLE]))
+        effects[YIELD_ANGLE] = angle
+        return replace(self, gaps=np.maximum(gaps, 0.0), effects=effects)
 
     def as_vector(self) -> FloatArray:
         """Return all of them in one array."""

@@ -264,6 +264,16 @@ def test_cogging_that_is_not_told_is_none(cogged):
     assert "motor.cogging_periods" not in constants
 
 
+def test_friction_that_yields_before_it_slides_is_told_from_a_rigid_one(tmp_path, start, result):
+    angle = math.radians(0.6)
+    found = calibration_of(replace(MACHINE, presliding=angle), tmp_path, start)
+    yields = found.constants["yield_angle"]
+    assert yields.unit == "rad"
+    assert yields.value == pytest.approx(angle, rel=0.5)
+    assert abs(found.gap - GAP) < min(math.radians(0.5), 3.0 * found.gap_uncertainty)
+    assert "yield_angle" not in result.constants
+
+
 def test_a_motor_that_moves_one_way_tells_neither_friction_nor_offset_nor_gap(tmp_path, start):
     rows = telemetry(MACHINE, 15.0, lambda time: 2e-3 * max(time - 1.0, 0.0))
     result = calibrate(bag_of(tmp_path / "bag", rows), read_configuration(start))

@@ -28,7 +28,9 @@ from bdt_study.calibration.whole_fit import (
     fit_reading_noise,
     fit_whole,
 )
+from bdt_study.calibration.yielding_search import yielding_fit
 from bdt_twin.fit_result import Fit
+from bdt_twin.gap_doubt import yielding_doubt
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS, model_with
 from bdt_twin.output_error_fit import WindowFit
@@ -80,7 +82,7 @@ class Identification:
             walk = max(self.fit.levels.fast, self.fit.levels.slow)
             hidden = HIDDEN_WALK * walk / self.model.lead_screw.pitch
             uncertainty = math.hypot(uncertainty, hidden)
-        return gap, uncertainty
+        return gap, math.hypot(uncertainty, yielding_doubt(self.fit))
 
     @property
     def explains(self) -> bool:
@@ -157,6 +159,13 @@ def _identify_near(
         fits.append(fit_machine_noise(problem, other))
     likely = [each for each in fits if is_plausible(each, known)]
     fit = min(likely or fits, key=lambda each: each.prediction_error)
+    if "yield_angle" not in joined:
+        with_yield_angle = (*joined, "yield_angle")
+        known = wide_knowledge(friction_voltage(model.motor), with_yield_angle)
+        known.expected[: len(FACTORS)] = expected
+        found = yielding_fit(window, fit, known)
+        if found is not None:
+            fit, joined = found, with_yield_angle
     fit = replace(fit, covariance=segment_covariance(window, fit))
     return Identification(model, window, fit, joined)
 
