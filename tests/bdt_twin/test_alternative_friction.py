@@ -16,6 +16,7 @@ from bdt_twin.alternative_friction import (
     ASTRAY,
     COMPARISONS,
     EVERY,
+    FEWEST_COMPARISONS,
     LEAST_GAIN,
     MUCH_WORK,
     TOTAL_GAIN,
@@ -33,7 +34,7 @@ RATE, BLOCK = 1000.0, 5
 ANGLE = math.radians(0.4)
 CHANGE = math.radians(0.02)
 RESTLESS, AT_REST = NoiseLevels(1e-6, slow=1e-4), NoiseLevels(1e-6, slow=1e-7)
-MUCH = 2.0 * TOTAL_GAIN / COMPARISONS
+MUCH, ENOUGH = (1.1 * TOTAL_GAIN / count for count in (FEWEST_COMPARISONS, COMPARISONS))
 
 
 @cache
@@ -65,7 +66,7 @@ def followed(window, windows):
 
 
 def test_friction_that_yields_is_found_with_its_angle():
-    memory, fit = followed(window_with_friction(ANGLE), EVERY * COMPARISONS + 3)
+    memory, fit = followed(window_with_friction(ANGLE), 3 * COMPARISONS)
     assert YIELD_ANGLE in memory.present
     found = dict(zip(EFFECTS, fit.unknowns.effects, strict=True))
     assert found["friction_voltage"] == pytest.approx(0.01 / 0.8 * 12.0, rel=0.02)
@@ -110,15 +111,21 @@ def believed(gains, angles, memory=None, levels=RESTLESS, **changes):
 
 
 def test_it_is_believed_if_it_explains_the_data_better_each_time():
-    assert believed([MUCH] * 6, [ANGLE] * 6) == COMPARISONS
+    angles = [ANGLE] * (COMPARISONS + 1)
+    assert believed([MUCH] * (COMPARISONS + 1), angles) == FEWEST_COMPARISONS
+    assert believed([ENOUGH] * (COMPARISONS + 1), angles) == COMPARISONS
+    assert believed([-1.0, *[MUCH] * COMPARISONS], angles) == FEWEST_COMPARISONS + 1
 
 
 @pytest.mark.parametrize(
     ("gains", "angles"),
     [
-        ([MUCH, MUCH, LEAST_GAIN - 1.0, MUCH, MUCH], [ANGLE] * 5),
-        ([0.9 * TOTAL_GAIN / COMPARISONS] * 5, [ANGLE] * 5),
-        ([MUCH] * 5, [ANGLE, ANGLE, 1.1 * ALIKE * ANGLE, ANGLE, ANGLE]),
+        ([*[MUCH] * (FEWEST_COMPARISONS - 1), LEAST_GAIN - 1.0], [ANGLE] * FEWEST_COMPARISONS),
+        ([0.8 * ENOUGH] * COMPARISONS, [ANGLE] * COMPARISONS),
+        (
+            [MUCH] * FEWEST_COMPARISONS,
+            [*[ANGLE] * (FEWEST_COMPARISONS - 1), 1.1 * ALIKE * ANGLE],
+        ),
     ],
     ids=["once it did not", "too little in all", "another angle"],
 )
@@ -129,14 +136,15 @@ def test_it_is_not_believed_otherwise(gains, angles):
 
 
 def test_a_fit_that_has_gone_astray_tells_nothing():
-    gains = [MUCH, MUCH, -2.0 * ASTRAY, MUCH, MUCH, MUCH]
-    assert believed(gains, [ANGLE] * 6) == COMPARISONS + 1
+    gains = [MUCH, -2.0 * ASTRAY, *[MUCH] * (FEWEST_COMPARISONS - 1)]
+    assert believed(gains, [ANGLE] * len(gains)) == FEWEST_COMPARISONS + 1
 
 
 def test_friction_is_rigid_again_if_that_explains_the_data_as_well_each_time():
     memory = memory_of_friction().with_yield_angle(ANGLE)
-    assert believed([1.0] * 6, [0.0] * 6, memory) == COMPARISONS
-    assert believed([1.0, 1.0, -1.0, 1.0, 1.0, 1.0], [0.0] * 6, memory) is None
+    gains = [1.0] * COMPARISONS
+    assert believed(gains, [0.0] * COMPARISONS, memory) == COMPARISONS
+    assert believed([*gains[1:], -1.0], [0.0] * COMPARISONS, memory) is None
 
 
 @pytest.mark.parametrize("case", ["at rest", "much work"])
