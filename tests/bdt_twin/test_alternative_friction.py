@@ -16,7 +16,6 @@ from bdt_twin.alternative_friction import (
     ASTRAY,
     COMPARISONS,
     EVERY,
-    FEWEST_COMPARISONS,
     LEAST_GAIN,
     MUCH_WORK,
     TOTAL_GAIN,
@@ -34,7 +33,7 @@ RATE, BLOCK = 1000.0, 5
 ANGLE = math.radians(0.4)
 CHANGE = math.radians(0.02)
 RESTLESS, AT_REST = NoiseLevels(1e-6, slow=1e-4), NoiseLevels(1e-6, slow=1e-7)
-MUCH, ENOUGH = (1.1 * TOTAL_GAIN / count for count in (FEWEST_COMPARISONS, COMPARISONS))
+MUCH = 1.1 * TOTAL_GAIN / COMPARISONS
 
 
 @cache
@@ -66,7 +65,7 @@ def followed(window, windows):
 
 
 def test_friction_that_yields_is_found_with_its_angle():
-    memory, fit = followed(window_with_friction(ANGLE), 3 * COMPARISONS)
+    memory, fit = followed(window_with_friction(ANGLE), 4 * COMPARISONS)
     assert YIELD_ANGLE in memory.present
     found = dict(zip(EFFECTS, fit.unknowns.effects, strict=True))
     assert found["friction_voltage"] == pytest.approx(0.01 / 0.8 * 12.0, rel=0.02)
@@ -112,19 +111,18 @@ def believed(gains, angles, memory=None, levels=RESTLESS, **changes):
 
 def test_it_is_believed_if_it_explains_the_data_better_each_time():
     angles = [ANGLE] * (COMPARISONS + 1)
-    assert believed([MUCH] * (COMPARISONS + 1), angles) == FEWEST_COMPARISONS
-    assert believed([ENOUGH] * (COMPARISONS + 1), angles) == COMPARISONS
-    assert believed([-1.0, *[MUCH] * COMPARISONS], angles) == FEWEST_COMPARISONS + 1
+    assert believed([MUCH] * (COMPARISONS + 1), angles) == COMPARISONS
+    assert believed([-1.0, *[MUCH] * COMPARISONS], angles) == COMPARISONS + 1
 
 
 @pytest.mark.parametrize(
     ("gains", "angles"),
     [
-        ([*[MUCH] * (FEWEST_COMPARISONS - 1), LEAST_GAIN - 1.0], [ANGLE] * FEWEST_COMPARISONS),
-        ([0.8 * ENOUGH] * COMPARISONS, [ANGLE] * COMPARISONS),
+        ([*[MUCH] * (COMPARISONS - 1), LEAST_GAIN - 1.0], [ANGLE] * COMPARISONS),
+        ([0.8 * MUCH] * COMPARISONS, [ANGLE] * COMPARISONS),
         (
-            [MUCH] * FEWEST_COMPARISONS,
-            [*[ANGLE] * (FEWEST_COMPARISONS - 1), 1.1 * ALIKE * ANGLE],
+            [MUCH] * COMPARISONS,
+            [*[ANGLE] * (COMPARISONS - 1), 1.1 * ALIKE * ANGLE],
         ),
     ],
     ids=["once it did not", "too little in all", "another angle"],
@@ -136,8 +134,8 @@ def test_it_is_not_believed_otherwise(gains, angles):
 
 
 def test_a_fit_that_has_gone_astray_tells_nothing():
-    gains = [MUCH, -2.0 * ASTRAY, *[MUCH] * (FEWEST_COMPARISONS - 1)]
-    assert believed(gains, [ANGLE] * len(gains)) == FEWEST_COMPARISONS + 1
+    gains = [MUCH, -2.0 * ASTRAY, *[MUCH] * (COMPARISONS - 1)]
+    assert believed(gains, [ANGLE] * len(gains)) == COMPARISONS + 1
 
 
 def test_friction_is_rigid_again_if_that_explains_the_data_as_well_each_time():

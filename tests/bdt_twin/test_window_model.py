@@ -7,7 +7,12 @@ from bdt_plant.plant import PlantModel
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.stretch import Stretch
-from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
+from bdt_twin.unknowns import (
+    GAP_PER_ANGLE,
+    INITIAL_CONDITION,
+    SMALLEST_YIELD_ANGLE,
+    Unknowns,
+)
 from bdt_twin.window_model import WindowModel
 
 RATE, BLOCK, COGS = 1000.0, 5, 24
@@ -76,6 +81,23 @@ def test_unknowns_stay_where_they_have_a_meaning(closed_loop):
     assert (far.factors == -1.0).all()
     assert far.initial_conditions[0, 0] == -1.0
     assert far.effects[EFFECTS.index("friction_voltage")] == 0.0
+
+
+def test_friction_that_yields_stays_one_that_does_and_a_rigid_one_rigid(closed_loop):
+    window = window_of(closed_loop(), (0, 5000))
+    for effects, least in ((YIELDS, SMALLEST_YIELD_ANGLE), (EFFECTS_ALONE, 0.0)):
+        unknowns = unknowns_of(window, effects)
+        far = unknowns.from_vector(unknowns.as_vector() - 1.0)
+        assert far.effects[EFFECTS.index("yield_angle")] == least
+
+
+def test_a_gap_is_larger_for_friction_that_yields_later(closed_loop):
+    unknowns = unknowns_of(window_of(closed_loop(), (0, 5000)), YIELDS)
+    other = unknowns.with_yield_angle(0.01)
+    assert other.effects[EFFECTS.index("yield_angle")] == 0.01
+    assert other.gaps == pytest.approx(unknowns.gaps + GAP_PER_ANGLE * (0.01 - 6e-3))
+    back = other.with_yield_angle(6e-3)
+    assert back.as_vector() == pytest.approx(unknowns.as_vector())
 
 
 @pytest.mark.parametrize("cuts", [[(0, 12000)], [(1000, 6000), (7000, 12000)]])

@@ -31,8 +31,8 @@ LEAST_FRICTION = 5e-3
 FIRST_ANGLE, SMALLEST_ANGLE, LARGEST_ANGLE = 2e-3, 1e-3, 2e-2
 """Yield angle with which the first fit of friction that yields begins, and least and largest ones
 of those that begin anew [rad]."""
-FEWEST_COMPARISONS, COMPARISONS = 5, 8
-"""Fewest and most comparisons in a row that have to agree."""
+COMPARISONS = 8
+"""Comparisons in a row that have to agree: a motor whose cogging nobody has found passes six."""
 LEAST_GAIN, TOTAL_GAIN = 5.0, 400.0
 """Gain of log-likelihood by friction that yields in each of them, and in all of them together."""
 ALIKE = 1.3
@@ -143,16 +143,11 @@ class AlternativeFriction:
 
     def _is_believed(self, other: MachineMemory) -> bool:
         """Tell whether the other friction has explained the data better each time."""
+        gains = [each.gain for each in self._comparisons]
+        if len(gains) < COMPARISONS:
+            return False
         if YIELD_ANGLE not in other.present:
-            gains = [each.gain for each in self._comparisons]
-            return len(gains) == COMPARISONS and min(gains) > 0.0
-        newest = list(self._comparisons)
-        return any(_agree(newest[-count:]) for count in range(FEWEST_COMPARISONS, len(newest) + 1))
-
-
-def _agree(comparisons: list[_Comparison]) -> bool:
-    """Tell whether comparisons agree that friction yields, and by which angle."""
-    gains = [each.gain for each in comparisons]
-    angles = [each.angle for each in comparisons]
-    is_alike = max(angles) < ALIKE * min(angles)
-    return is_alike and min(gains) > LEAST_GAIN and sum(gains) > TOTAL_GAIN
+            return min(gains) > 0.0
+        angles = [each.angle for each in self._comparisons]
+        is_alike = max(angles) < ALIKE * min(angles)
+        return is_alike and min(gains) > LEAST_GAIN and sum(gains) > TOTAL_GAIN
