@@ -16,6 +16,8 @@ from bdt_twin.alternative_friction import (
     ASTRAY,
     COMPARISONS,
     EVERY,
+    FEWEST_COMPARISONS,
+    GREAT_GAIN,
     LEAST_GAIN,
     MUCH_WORK,
     TOTAL_GAIN,
@@ -113,6 +115,14 @@ def test_it_is_believed_if_it_explains_the_data_better_each_time():
     angles = [ANGLE] * (COMPARISONS + 1)
     assert believed([MUCH] * (COMPARISONS + 1), angles) == COMPARISONS
     assert believed([-1.0, *[MUCH] * COMPARISONS], angles) == COMPARISONS + 1
+
+
+def test_fewer_comparisons_suffice_where_it_explains_much_more():
+    great = [1.1 * GREAT_GAIN] * FEWEST_COMPARISONS
+    angles = [ANGLE] * FEWEST_COMPARISONS
+    assert believed(great, angles) == FEWEST_COMPARISONS
+    assert believed([*great[1:], 0.9 * GREAT_GAIN], angles) is None
+    assert believed(great, [*angles[1:], 1.1 * ALIKE * ANGLE]) is None
 
 
 @pytest.mark.parametrize(

@@ -35,6 +35,8 @@ COMPARISONS = 8
 """Comparisons in a row that have to agree: a motor whose cogging nobody has found passes six."""
 LEAST_GAIN, TOTAL_GAIN = 5.0, 400.0
 """Gain of log-likelihood by friction that yields in each of them, and in all of them together."""
+FEWEST_COMPARISONS, GREAT_GAIN = 5, 100.0
+"""Comparisons that suffice where each gains that much."""
 ALIKE = 1.3
 """Largest of their yield angles over the smallest one."""
 LOST, ASTRAY = 60.0, 1000.0
@@ -143,11 +145,25 @@ class AlternativeFriction:
 
     def _is_believed(self, other: MachineMemory) -> bool:
         """Tell whether the other friction has explained the data better each time."""
-        gains = [each.gain for each in self._comparisons]
-        if len(gains) < COMPARISONS:
-            return False
+        all_of_them = list(self._comparisons)
         if YIELD_ANGLE not in other.present:
-            return min(gains) > 0.0
-        angles = [each.angle for each in self._comparisons]
-        is_alike = max(angles) < ALIKE * min(angles)
-        return is_alike and min(gains) > LEAST_GAIN and sum(gains) > TOTAL_GAIN
+            return len(all_of_them) == COMPARISONS and _least_gain(all_of_them) > 0.0
+        newest = all_of_them[-FEWEST_COMPARISONS:]
+        if len(newest) == FEWEST_COMPARISONS and _least_gain(newest) > GREAT_GAIN:
+            return _are_alike(newest)
+        return (
+            len(all_of_them) == COMPARISONS
+            and _least_gain(all_of_them) > LEAST_GAIN
+            and sum(each.gain for each in all_of_them) > TOTAL_GAIN
+            and _are_alike(all_of_them)
+        )
+
+
+def _least_gain(comparisons: list[_Comparison]) -> float:
+    return min(each.gain for each in comparisons)
+
+
+def _are_alike(comparisons: list[_Comparison]) -> bool:
+    """Tell whether friction yields by the same angle in all of them."""
+    angles = [each.angle for each in comparisons]
+    return max(angles) < ALIKE * min(angles)
