@@ -6,8 +6,8 @@ better each time is believed: a fit that has not come to its end may gain by any
 the same angle again and again.
 """
 
-import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -131,8 +131,7 @@ class AlternativeFriction:
 
     def _compare(self, window: WindowModel, fit: Fit, found: Fit, other: MachineMemory) -> None:
         """Take note of a fit with the other friction."""
-        ratio = fit.prediction_error / found.prediction_error
-        gain = found.innovations.size * math.log(ratio)
+        gain = found.gain_over(fit)
         yielding = found if YIELD_ANGLE in other.present else fit
         angle = float(yielding.unknowns.effects[YIELD_ANGLE])
         if yielding is found:
@@ -150,12 +149,12 @@ class AlternativeFriction:
             return len(all_of_them) == COMPARISONS and _least_gain(all_of_them) > 0.0
         newest = all_of_them[-FEWEST_COMPARISONS:]
         if len(newest) == FEWEST_COMPARISONS and _least_gain(newest) > GREAT_GAIN:
-            return _are_alike(newest)
+            return are_alike([each.angle for each in newest])
         return (
             len(all_of_them) == COMPARISONS
             and _least_gain(all_of_them) > LEAST_GAIN
             and sum(each.gain for each in all_of_them) > TOTAL_GAIN
-            and _are_alike(all_of_them)
+            and are_alike([each.angle for each in all_of_them])
         )
 
 
@@ -163,7 +162,12 @@ def _least_gain(comparisons: list[_Comparison]) -> float:
     return min(each.gain for each in comparisons)
 
 
-def _are_alike(comparisons: list[_Comparison]) -> bool:
-    """Tell whether friction yields by the same angle in all of them."""
-    angles = [each.angle for each in comparisons]
+def are_alike(angles: Sequence[float]) -> bool:
+    """Tell whether yield angles that several fits have found are those of one friction.
+
+    Parameters
+    ----------
+    angles : sequence of float
+        The angles [rad].
+    """
     return max(angles) < ALIKE * min(angles)

@@ -1,5 +1,6 @@
 """What the fit of a window has found."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +67,16 @@ class Fit:
     def pushed(self) -> FloatArray:
         """One where something pushed a platform, else zero, shape (blocks,)."""
         return self.whitening.pushed
+
+    def gain_over(self, other: "Fit") -> float:
+        """Return the gain of log-likelihood over another fit of the same data.
+
+        Parameters
+        ----------
+        other : Fit
+            The other one.
+        """
+        return self.innovations.size * math.log(other.prediction_error / self.prediction_error)
 
     def negligible(self, motion: float) -> float:
         """Return the size of innovations that is as good as none, however small the noise is.

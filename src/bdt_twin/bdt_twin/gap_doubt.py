@@ -54,8 +54,7 @@ def doubted(
     if is_first:
         uncertainty *= FIRST_DOUBT
     # Without friction cogging is no secret: it moves the motor from well to well.
-    has_friction = fit.unknowns.friction >= SMALLEST_FRICTION
-    if window.cogs or not has_friction or not any(fit.levels[1:]):
+    if window.cogs or fit.unknowns.friction < SMALLEST_FRICTION or not any(fit.levels[1:]):
         return uncertainty
     if is_restless(fit.levels):
         uncertainty *= math.sqrt(1.0 + ALIKE / reversals)

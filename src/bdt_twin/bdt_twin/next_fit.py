@@ -120,8 +120,7 @@ def _with_cogging(
     known = machine.before(*window.span).forgetting(COGGING)
     found = fit_window(other, growth_change, known, begun, math.inf, quiet(fit.levels))
     simulated = fit.simulated + found.simulated
-    gain = fit.innovations.size * math.log(fit.prediction_error / found.prediction_error)
-    if window.cogs and gain < BETTER:
+    if window.cogs and found.gain_over(fit) < BETTER:
         machine.keeps_cogging()
         return window, replace(fit, simulated=simulated)
     machine.has_cogging(evidence.cogs)

@@ -13,11 +13,9 @@ from bdt_plant.stribeck import FrictionLaw
 from bdt_twin.machine_knowledge import EFFECTS, USUAL_STRIBECK_SPEED
 from bdt_twin.model_factors import FACTORS, plant_step_with
 from bdt_twin.resisted_plant import NO_COGS, Cogs, ResistedPlant
+from bdt_twin.unknowns import SMALLEST_YIELD_ANGLE
 
 FloatArray = NDArray[np.float64]
-RIGID = 1e-4
-"""Yield angle [rad] below which friction is rigid."""
-
 Wave = TypeVar("Wave", float, NDArray[np.float64])
 
 
@@ -59,7 +57,7 @@ def resisted_plant_with(
         model.structure.stiffness * ratios["stiffness"],
         model.structure.damping * ratios["damping"],
         NO_COGS,
-        effect["yield_angle"] if effect["yield_angle"] > RIGID else 0.0,
+        effect["yield_angle"] if effect["yield_angle"] >= SMALLEST_YIELD_ANGLE else 0.0,
     )
 
 

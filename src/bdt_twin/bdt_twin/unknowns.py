@@ -16,7 +16,7 @@ MOST_EXCESS = 1.0
 """Largest excess of friction at rest over that of a fast motor, as a share of it."""
 
 SMALLEST_YIELD_ANGLE = 3e-4
-"""Smallest angle by which friction yields that does so [rad]."""
+"""Yield angle below which friction is rigid [rad]."""
 GAP_PER_ANGLE = 1.5
 """By how much larger a gap seems for friction that yields, over the yield angle."""
 

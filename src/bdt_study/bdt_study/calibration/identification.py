@@ -4,6 +4,7 @@ The estimator's own fit is used with a prior so wide that it says nothing.
 """
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -147,8 +148,7 @@ def _identify_near(
     followed = follow_windows(model, data)
     window = data.window(model, 0 if followed is None else followed.cogs)
     joined = () if followed is None else followed.joined
-    known = wide_knowledge(friction_voltage(model.motor), joined)
-    known.expected[: len(FACTORS)] = expected
+    known = _known(model, joined, expected)
     problem = WindowFit(window, SETTINGS.growth_change, known)
     # Windows that are too short for the machine may have led astray.
     beginnings = [start] if followed is None else [start, followed.on(window)]
@@ -161,13 +161,18 @@ def _identify_near(
     fit = min(likely or fits, key=lambda each: each.prediction_error)
     if "yield_angle" not in joined:
         with_yield_angle = (*joined, "yield_angle")
-        known = wide_knowledge(friction_voltage(model.motor), with_yield_angle)
-        known.expected[: len(FACTORS)] = expected
-        found = yielding_fit(window, fit, known)
+        found = yielding_fit(window, fit, _known(model, with_yield_angle, expected))
         if found is not None:
             fit, joined = found, with_yield_angle
     fit = replace(fit, covariance=segment_covariance(window, fit))
     return Identification(model, window, fit, joined)
+
+
+def _known(model: PlantModel, joined: Collection[str], expected: FloatArray) -> MachineKnowledge:
+    """Return what is known before, with logarithms of the factors that are expected."""
+    known = wide_knowledge(friction_voltage(model.motor), joined)
+    known.expected[: len(FACTORS)] = expected
+    return known
 
 
 def identify_from(known: Identification, data: Data) -> Identification:

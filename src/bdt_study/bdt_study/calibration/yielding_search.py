@@ -1,12 +1,11 @@
 """Search for friction that yields before it slides, in all data at once."""
 
-import math
 from dataclasses import replace
 
 from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_study.calibration.fitted_data import SETTINGS
 from bdt_study.calibration.whole_fit import fit_machine_noise
-from bdt_twin.alternative_friction import ALIKE
+from bdt_twin.alternative_friction import are_alike
 from bdt_twin.fit_result import Fit
 from bdt_twin.machine_knowledge import YIELD_ANGLE, MachineKnowledge
 from bdt_twin.machine_memory import SMALLEST_FRICTION
@@ -42,8 +41,6 @@ def yielding_fit(window: CalibrationWindow, rigid: Fit, known: MachineKnowledge)
         begun = replace(rigid, unknowns=unknowns, levels=quiet(rigid.levels))
         fits.append(fit_machine_noise(problem, fit_machine_noise(problem, begun)))
     angles = [float(each.unknowns.effects[YIELD_ANGLE]) for each in fits]
-    worse = max(each.prediction_error for each in fits)
-    gain = rigid.innovations.size * math.log(rigid.prediction_error / worse)
-    if gain < GAIN or max(angles) > ALIKE * min(angles):
+    if min(each.gain_over(rigid) for each in fits) < GAIN or not are_alike(angles):
         return None
     return min(fits, key=lambda each: each.prediction_error)
