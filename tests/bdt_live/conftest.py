@@ -135,6 +135,8 @@ def page(browser: Any, live_loop: LiveProgram) -> Iterator[Any]:
     browser.wait_for("document.getElementById('state')?.dataset.word === 'ok'")
     browser.wait_for("document.getElementById('twin.reconfigure') !== null")
     browser.wait_for("document.getElementById('plant.gap.initial') !== null")
+    # The page is told that all is well before it has drawn a picture.
+    browser.wait_for("parseFloat(document.getElementById('time').textContent) >= 0")
     yield browser
     browser.command("Page.removeScriptToEvaluateOnNewDocument", **kept)
     # Or it would draw until the last test of all files.
