@@ -24,7 +24,7 @@ from markdown_it import MarkdownIt
 ROOT = Path(__file__).parents[2]
 TUTORIALS = ROOT / "docs" / "source" / "tutorials"
 PAGES = sorted(page for page in TUTORIALS.glob("*.md") if page.stem != "index")
-IN_REAL_TIME = ("look-at-a-loop-live", "with-ros-2", "your-machine")
+IN_REAL_TIME = ("look-at-a-loop-live", "with-ros-2", "your-machine", "your-own-bag")
 """Tutorials whose loops, or recorders, do not wait for a busy computer."""
 DEADLINE = 240.0
 """Wall time [s] after which a command hangs."""
