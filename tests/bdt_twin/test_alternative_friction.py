@@ -12,17 +12,14 @@ from unknown_machine import UnknownMachine
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel
 from bdt_twin.alternative_friction import (
-    ALIKE,
     ASTRAY,
-    COMPARISONS,
     EVERY,
-    FEWEST_COMPARISONS,
-    GREAT_GAIN,
-    LEAST_GAIN,
+    FIRST_ANGLE,
     MUCH_WORK,
-    TOTAL_GAIN,
     AlternativeFriction,
 )
+from bdt_twin.friction_evidence import BELIEVED, CERTAIN, EXPLAINED_GAIN, LARGE_ANGLE, MOST_GAIN
+from bdt_twin.gap_doubt import UNEXPLAINED_YIELDING, UNSEEN_YIELDING
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import EFFECTS, YIELD_ANGLE
 from bdt_twin.machine_memory import MachineMemory
@@ -35,7 +32,9 @@ RATE, BLOCK = 1000.0, 5
 ANGLE = math.radians(0.4)
 CHANGE = math.radians(0.02)
 RESTLESS, AT_REST = NoiseLevels(1e-6, slow=1e-4), NoiseLevels(1e-6, slow=1e-7)
-MUCH = 1.1 * TOTAL_GAIN / COMPARISONS
+MUCH = 10.0 * MOST_GAIN
+FULL = math.ceil(BELIEVED / MOST_GAIN)
+"""Comparisons that suffice where each gains much by a large angle."""
 
 
 @cache
@@ -67,7 +66,7 @@ def followed(window, windows):
 
 
 def test_friction_that_yields_is_found_with_its_angle():
-    memory, fit = followed(window_with_friction(ANGLE), 4 * COMPARISONS)
+    memory, fit = followed(window_with_friction(ANGLE), 2 * FULL)
     assert YIELD_ANGLE in memory.present
     found = dict(zip(EFFECTS, fit.unknowns.effects, strict=True))
     assert found["friction_voltage"] == pytest.approx(0.01 / 0.8 * 12.0, rel=0.02)
@@ -78,19 +77,20 @@ def test_a_motor_that_rigid_friction_explains_is_not_fitted_again():
     window, fit = explained()
     memory = memory_of_friction()
     friction = AlternativeFriction()
-    for _ in range(EVERY * COMPARISONS):
+    for _ in range(6):
         assert friction.better(window, fit, memory, CHANGE) == (memory, fit)
 
 
 class Told(AlternativeFriction):
     """One whose fits gain so much log-likelihood with such an angle, one after the other."""
 
-    def __init__(self, gains, angles):
+    def __init__(self, gains, angle=LARGE_ANGLE):
         super().__init__()
-        self.waiting = list(zip(gains, angles, strict=True))
+        self.waiting, self.angle, self.begun_with = list(gains), angle, []
 
     def _fit(self, window, fit, machine, other, growth_change):
-        gain, angle = self.waiting.pop(0)
+        gain, angle = self.waiting.pop(0), self.angle if YIELD_ANGLE in other.present else 0.0
+        self.begun_with.append(None if self._last else self._other_angle(machine))
         effects = fit.unknowns.effects.copy()
         effects[YIELD_ANGLE] = angle
         error = fit.prediction_error * math.exp(-gain / fit.innovations.size)
@@ -98,61 +98,90 @@ class Told(AlternativeFriction):
         return replace(fit, unknowns=unknowns, prediction_error=error)
 
 
-def believed(gains, angles, memory=None, levels=RESTLESS, **changes):
-    """Return after how many comparisons the other friction is believed; None for never."""
+def restless(**changes):
+    """Return a window that its fit leaves restless, and the fit."""
     window, fit = explained()
-    fit = replace(fit, levels=levels, simulated=0, **changes)
-    told, memory = Told(gains, angles), memory or memory_of_friction()
-    for number in range(EVERY * len(gains)):
+    return window, replace(fit, **{"levels": RESTLESS, "simulated": 0, **changes})
+
+
+def believed(gains, memory=None):
+    """Return after how many windows the other friction is believed; None for never."""
+    window, fit = restless()
+    told, memory = Told(gains), memory or memory_of_friction()
+    for number in range(len(gains)):
         now, _ = told.better(window, fit, memory, CHANGE)
         if now is not memory:
             assert (YIELD_ANGLE in now.present) != (YIELD_ANGLE in memory.present)
-            return 1 + number // EVERY
+            return number + 1
     return None
 
 
-def test_it_is_believed_if_it_explains_the_data_better_each_time():
-    angles = [ANGLE] * (COMPARISONS + 1)
-    assert believed([MUCH] * (COMPARISONS + 1), angles) == COMPARISONS
-    assert believed([-1.0, *[MUCH] * COMPARISONS], angles) == COMPARISONS + 1
+def test_it_is_believed_once_it_explains_the_data_better_again_and_again():
+    assert believed([MUCH] * FULL) == FULL
+    assert believed([MUCH] * (FULL - 1)) is None
+    assert believed([-MOST_GAIN, *[MUCH] * (FULL + 1)]) == FULL + 2
 
 
-def test_fewer_comparisons_suffice_where_it_explains_much_more():
-    great = [1.1 * GREAT_GAIN] * FEWEST_COMPARISONS
-    angles = [ANGLE] * FEWEST_COMPARISONS
-    assert believed(great, angles) == FEWEST_COMPARISONS
-    assert believed([*great[1:], 0.9 * GREAT_GAIN], angles) is None
-    assert believed(great, [*angles[1:], 1.1 * ALIKE * ANGLE]) is None
-
-
-@pytest.mark.parametrize(
-    ("gains", "angles"),
-    [
-        ([*[MUCH] * (COMPARISONS - 1), LEAST_GAIN - 1.0], [ANGLE] * COMPARISONS),
-        ([0.8 * MUCH] * COMPARISONS, [ANGLE] * COMPARISONS),
-        (
-            [MUCH] * COMPARISONS,
-            [*[ANGLE] * (COMPARISONS - 1), 1.1 * ALIKE * ANGLE],
-        ),
-    ],
-    ids=["once it did not", "too little in all", "another angle"],
-)
-def test_it_is_not_believed_otherwise(gains, angles):
-    assert believed(gains, angles) is None
-    after = believed(gains + [MUCH] * COMPARISONS, angles + [ANGLE] * COMPARISONS)
-    assert after is not None, "it is later, if it does from then on"
-
-
-def test_a_fit_that_has_gone_astray_tells_nothing():
-    gains = [MUCH, -2.0 * ASTRAY, *[MUCH] * (COMPARISONS - 1)]
-    assert believed(gains, [ANGLE] * len(gains)) == COMPARISONS + 1
-
-
-def test_friction_is_rigid_again_if_that_explains_the_data_as_well_each_time():
+def test_friction_is_rigid_again_if_that_explains_the_data_better():
     memory = memory_of_friction().with_yield_angle(ANGLE)
-    gains = [1.0] * COMPARISONS
-    assert believed(gains, [0.0] * COMPARISONS, memory) == COMPARISONS
-    assert believed([*gains[1:], -1.0], [0.0] * COMPARISONS, memory) is None
+    assert believed([MUCH] * FULL, memory) == FULL
+    assert believed([-1.0] * FULL, memory) is None
+
+
+def test_what_was_believed_is_followed_on():
+    window, fit = restless()
+    told, rigid = Told([MUCH] * (2 * FULL)), memory_of_friction()
+    memory = rigid
+    for _ in range(FULL):
+        memory, _ = told.better(window, fit, memory, CHANGE)
+    for _ in range(FULL):
+        memory, _ = told.better(window, fit, memory, CHANGE)
+    assert memory is rigid
+
+
+def test_windows_are_compared_seldom_once_the_friction_is_certain():
+    window, fit = restless()
+    losses = math.ceil(CERTAIN / MOST_GAIN)
+    told, memory = Told([-MOST_GAIN] * (losses + 2)), memory_of_friction()
+    for _ in range(losses + 2 * EVERY):
+        told.better(window, fit, memory, CHANGE)
+    assert not told.waiting
+
+
+def test_a_fit_that_has_gone_astray_begins_anew_with_an_angle_that_has_explained_more():
+    window, fit = restless()
+    told = Told([MUCH, 0.0, -2.0 * ASTRAY, 0.0])
+    for _ in range(4):
+        told.better(window, fit, memory_of_friction(), CHANGE)
+    assert told.begun_with == [FIRST_ANGLE, None, None, LARGE_ANGLE]
+
+
+def test_the_gap_is_less_sure_until_the_friction_is_certain():
+    window, fit = explained()
+    friction, memory = AlternativeFriction(), memory_of_friction()
+    assert friction.doubt(fit) == UNEXPLAINED_YIELDING
+    for _ in range(math.ceil(CERTAIN / EXPLAINED_GAIN)):
+        friction.better(window, fit, memory, CHANGE)
+    assert friction.doubt(fit) == UNSEEN_YIELDING
+
+
+def test_the_gap_is_less_sure_as_long_as_another_one_may_be_true():
+    window, fit = restless()
+
+    class Other(Told):
+        def _fit(self, window, fit, machine, other, growth_change):
+            found = super()._fit(window, fit, machine, other, growth_change)
+            unknowns = replace(found.unknowns, gaps=found.unknowns.gaps + 0.1)
+            return replace(found, unknowns=unknowns)
+
+    told = Other([MUCH] * (FULL - 1) + [-MOST_GAIN] * 9)
+    for _ in range(FULL - 1):
+        told.better(window, fit, memory_of_friction(), CHANGE)
+    unsure = told.doubt(fit)
+    assert 0.05 < unsure < 0.1
+    while told.waiting:
+        told.better(window, fit, memory_of_friction(), CHANGE)
+    assert told.doubt(fit) == UNEXPLAINED_YIELDING
 
 
 @pytest.mark.parametrize("case", ["at rest", "much work"])
@@ -160,7 +189,7 @@ def test_windows_that_are_explained_or_take_long_are_not_compared(case):
     window, fit = explained()
     levels, work = (AT_REST, 0) if case == "at rest" else (RESTLESS, MUCH_WORK + 1)
     fit = replace(fit, levels=levels, simulated=work)
-    memory, told = memory_of_friction(), Told([MUCH] * 6, [ANGLE] * 6)
+    memory, told = memory_of_friction(), Told([MUCH] * 6)
     for _ in range(6):
         assert told.better(window, fit, memory, CHANGE) == (memory, fit)
     assert len(told.waiting) == 6
@@ -169,5 +198,5 @@ def test_windows_that_are_explained_or_take_long_are_not_compared(case):
 def test_the_work_of_both_fits_counts():
     window, fit = explained()
     fit = replace(fit, levels=RESTLESS, simulated=1000)
-    _, after = Told([0.0], [ANGLE]).better(window, fit, memory_of_friction(), CHANGE)
+    _, after = Told([0.0]).better(window, fit, memory_of_friction(), CHANGE)
     assert after.simulated == 2000

@@ -61,13 +61,14 @@ def test_first_motions_tell_less():
     assert doubt(none, is_first=True) == pytest.approx(FIRST_DOUBT * SAID)
 
 
-def yields(friction=0.15, angle=0.0, levels=QUIET):
+def yields(friction=0.15, angle=0.0, levels=QUIET, *, openness=0.0):
     _, fit, _ = explained()
     effects = fit.unknowns.effects.copy()
     effects[EFFECTS.index("friction_voltage")] = friction
     effects[EFFECTS.index("yield_angle")] = angle
     unknowns = replace(fit.unknowns, effects=effects)
-    return yielding_doubt(replace(fit, unknowns=unknowns, levels=levels))
+    told = replace(fit, unknowns=unknowns, levels=levels)
+    return yielding_doubt(told, openness=openness)
 
 
 def test_friction_that_yields_is_known_by_a_share_of_its_angle():
@@ -79,6 +80,13 @@ def test_friction_that_yields_is_known_by_a_share_of_its_angle():
 def test_friction_that_is_thought_to_be_rigid_may_yield_more_where_the_motor_walks():
     assert yields() == UNSEEN_YIELDING
     assert yields(levels=RESTLESS) == UNEXPLAINED_YIELDING > UNSEEN_YIELDING
+
+
+def test_the_more_open_it_is_whether_friction_is_rigid_the_more_it_may_yield():
+    assert yields(openness=1.0) == yields(levels=RESTLESS)
+    assert yields() < yields(openness=0.5) < yields(openness=1.0)
+    assert yields(angle=0.02, openness=1.0) == YIELDING_DOUBT * 0.02
+    assert yields(0.5 * SMALLEST_FRICTION, openness=1.0) == 0.0
 
 
 def test_a_motor_without_friction_has_none_that_yields():

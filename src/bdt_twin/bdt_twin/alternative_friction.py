@@ -1,17 +1,19 @@
-"""Whether friction yields before it slides: now and then a window is fitted the other way, too.
+"""Friction that yields beside rigid friction: windows are fitted the other way, too.
 
 From rigid friction to one that yields a fit gets over hills, if at all, and back, too. So what the
-machine is not thought to have is followed beside it from window to window. What explains the data
-better each time is believed: a fit that has not come to its end may gain by anything, but not by
-the same angle again and again.
+machine is not thought to have is followed beside it from window to window, and believed once what
+the windows tell adds up.
 """
 
-from collections import deque
-from collections.abc import Sequence
+import math
 from dataclasses import replace
-from typing import NamedTuple
+
+import numpy as np
 
 from bdt_twin.fit_result import Fit
+from bdt_twin.fixed_order import mean
+from bdt_twin.friction_evidence import FrictionEvidence
+from bdt_twin.gap_doubt import yielding_doubt
 from bdt_twin.machine_knowledge import YIELD_ANGLE
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.noise_levels import is_restless, quiet
@@ -20,9 +22,9 @@ from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor, predicted_unknowns
 from bdt_twin.window_search import FINE
 
-EVERY = 2
-"""Windows from one comparison to the next: each of them takes another fit."""
-MUCH_WORK = 250_000
+EVERY = 3
+"""Windows from one comparison to the next where the machine's friction is certain."""
+MUCH_WORK = 360_000
 """Simulated samples of a window's own fits that leave no time for another one."""
 MOST_SAMPLES, FEWEST_SIMULATIONS = 240_000, 3
 """Samples that a fit may simulate, and simulations that it may make however long the window is."""
@@ -31,24 +33,11 @@ LEAST_FRICTION = 5e-3
 FIRST_ANGLE, SMALLEST_ANGLE, LARGEST_ANGLE = 2e-3, 1e-3, 2e-2
 """Yield angle with which the first fit of friction that yields begins, and least and largest ones
 of those that begin anew [rad]."""
-COMPARISONS = 8
-"""Comparisons in a row that have to agree: a motor whose cogging nobody has found passes six."""
-LEAST_GAIN, TOTAL_GAIN = 5.0, 400.0
-"""Gain of log-likelihood by friction that yields in each of them, and in all of them together."""
-FEWEST_COMPARISONS, GREAT_GAIN = 5, 100.0
-"""Comparisons that suffice where each gains that much."""
-ALIKE = 1.3
-"""Largest of their yield angles over the smallest one."""
-LOST, ASTRAY = 60.0, 1000.0
-"""Loss of log-likelihood from which on a fit begins anew from that of the machine, and of one that
-is no comparison."""
-
-
-class _Comparison(NamedTuple):
-    """How much log-likelihood the other friction gains, and the angle by which either yields."""
-
-    gain: float
-    angle: float
+CLEAR_GAIN = 5.0
+"""Gain of log-likelihood from which on fits that begin anew begin with the angle of this one."""
+ASTRAY = 1000.0
+"""Loss of log-likelihood from which on a fit with the other friction begins anew from that of the
+machine."""
 
 
 class AlternativeFriction:
@@ -59,11 +48,27 @@ class AlternativeFriction:
     """
 
     def __init__(self) -> None:
-        self._rest = 1
+        self._evidence = FrictionEvidence()
+        self._rest = 0
         self._angle = FIRST_ANGLE
         self._machine: MachineMemory | None = None
         self._last: Predecessor | None = None
-        self._comparisons: deque[_Comparison] = deque(maxlen=COMPARISONS)
+
+    def doubt(self, fit: Fit) -> float:
+        """Return the standard uncertainty of a gap because friction may not be as it is thought.
+
+        Parameters
+        ----------
+        fit : Fit
+            The fit that tells the gap.
+
+        Returns
+        -------
+        float
+            The uncertainty [rad].
+        """
+        hidden = yielding_doubt(fit, openness=self._evidence.openness)
+        return math.hypot(hidden, self._evidence.doubt)
 
     def better(
         self, window: WindowModel, fit: Fit, machine: MachineMemory, growth_change: float
@@ -88,21 +93,24 @@ class AlternativeFriction:
         fit : Fit
             Its fit, with the work of both.
         """
-        if not (is_restless(fit.levels) and machine.has_friction(fit.machine, LEAST_FRICTION)):
+        if not machine.has_friction(fit.machine, LEAST_FRICTION):
+            return machine, fit
+        if not is_restless(fit.levels):
+            self._evidence.explained()
             return machine, fit
         self._rest -= 1
         if self._rest > 0 or fit.simulated > MUCH_WORK:
             return machine, fit
-        self._rest = EVERY
         if self._machine is None:
             self._machine = machine.with_yield_angle(self._other_angle(machine))
         other = self._machine
         found = self._fit(window, fit, machine, other, growth_change)
         self._compare(window, fit, found, other)
+        self._rest = EVERY if self._evidence.is_certain else 1
         work = fit.simulated + found.simulated
-        if not self._is_believed(other):
+        if not self._evidence.is_against:
             return machine, replace(fit, simulated=work)
-        self._comparisons.clear()
+        self._evidence.turn()
         self._machine, self._last = machine, Predecessor(window, fit, 0.0)
         return other, replace(found, simulated=work)
 
@@ -131,43 +139,13 @@ class AlternativeFriction:
 
     def _compare(self, window: WindowModel, fit: Fit, found: Fit, other: MachineMemory) -> None:
         """Take note of a fit with the other friction."""
-        gain = found.gain_over(fit)
-        yielding = found if YIELD_ANGLE in other.present else fit
-        angle = float(yielding.unknowns.effects[YIELD_ANGLE])
-        if yielding is found:
-            self._angle = min(max(angle, SMALLEST_ANGLE), LARGEST_ANGLE)
-        self._last = Predecessor(window, found, 0.0) if gain > -LOST else None
+        gain, angle = found.gain_over(fit), None
+        if YIELD_ANGLE in other.present:
+            angle = float(found.unknowns.effects[YIELD_ANGLE])
+            if gain > CLEAR_GAIN:
+                self._angle = min(max(angle, SMALLEST_ANGLE), LARGEST_ANGLE)
+        self._last = Predecessor(window, found, 0.0) if gain > -ASTRAY else None
         if gain > 0.0:
             other.learn(window.span[1], found.machine)
-        if gain > -ASTRAY:
-            self._comparisons.append(_Comparison(gain, angle))
-
-    def _is_believed(self, other: MachineMemory) -> bool:
-        """Tell whether the other friction has explained the data better each time."""
-        all_of_them = list(self._comparisons)
-        if YIELD_ANGLE not in other.present:
-            return len(all_of_them) == COMPARISONS and _least_gain(all_of_them) > 0.0
-        newest = all_of_them[-FEWEST_COMPARISONS:]
-        if len(newest) == FEWEST_COMPARISONS and _least_gain(newest) > GREAT_GAIN:
-            return are_alike([each.angle for each in newest])
-        return (
-            len(all_of_them) == COMPARISONS
-            and _least_gain(all_of_them) > LEAST_GAIN
-            and sum(each.gain for each in all_of_them) > TOTAL_GAIN
-            and are_alike([each.angle for each in all_of_them])
-        )
-
-
-def _least_gain(comparisons: list[_Comparison]) -> float:
-    return min(each.gain for each in comparisons)
-
-
-def are_alike(angles: Sequence[float]) -> bool:
-    """Tell whether yield angles that several fits have found are those of one friction.
-
-    Parameters
-    ----------
-    angles : sequence of float
-        The angles [rad].
-    """
-    return max(angles) < ALIKE * min(angles)
+        difference = mean(np.abs(found.unknowns.gaps - fit.unknowns.gaps))
+        self._evidence.compared(gain, difference, angle)

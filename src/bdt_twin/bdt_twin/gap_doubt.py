@@ -17,7 +17,7 @@ YIELDING_DOUBT = 0.2
 """Share of the angle by which friction yields that is not told."""
 KNOWN_YIELDING, UNSEEN_YIELDING, UNEXPLAINED_YIELDING = 1.5e-3, 2e-3, 6e-3
 """Angles by which friction that yields may shift a gap beside what is told [rad]: where it is known
-to yield, and where it is thought to be rigid, for a motor that is explained and one that walks."""
+to yield, and where it is thought to be rigid, for certain and where that is open."""
 ALIKE = 4.0
 """Reversals up to which it matters that they are alike: cogging that is unknown moves a motor that
 hardly turns at each of them in the same way."""
@@ -64,7 +64,7 @@ def doubted(
     return math.hypot(uncertainty, fits.doubt(weights))
 
 
-def yielding_doubt(fit: Fit) -> float:
+def yielding_doubt(fit: Fit, *, openness: float) -> float:
     """Return by how much friction that yields may shift a gap and not be told [rad].
 
     It does so alike at each reversal, which no residual shows.
@@ -73,10 +73,14 @@ def yielding_doubt(fit: Fit) -> float:
     ----------
     fit : Fit
         The fit of a window.
+    openness : float
+        How open it is that friction which is thought to be rigid yields, from 0 to 1.
     """
     angle, friction = float(fit.unknowns.effects[YIELD_ANGLE]), fit.unknowns.friction
     if friction > 0.0 and angle >= SMALLEST_YIELD_ANGLE:
         return max(YIELDING_DOUBT * angle, KNOWN_YIELDING)
     if friction < SMALLEST_FRICTION:
         return 0.0
-    return UNEXPLAINED_YIELDING if is_restless(fit.levels) else UNSEEN_YIELDING
+    if is_restless(fit.levels):
+        openness = 1.0
+    return UNSEEN_YIELDING + openness * (UNEXPLAINED_YIELDING - UNSEEN_YIELDING)

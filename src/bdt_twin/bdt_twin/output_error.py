@@ -21,7 +21,7 @@ from bdt_twin.cogging_waves import compiled_waves
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_doubt import FIRST_MOTIONS
 from bdt_twin.fit_result import Fit
-from bdt_twin.gap_doubt import doubted, yielding_doubt
+from bdt_twin.gap_doubt import doubted
 from bdt_twin.gap_knowledge import GapKnowledge
 from bdt_twin.gap_of_fit import answered_reversals, gap_at, growth_at, growth_change_of
 from bdt_twin.growth_knowledge import GrowthKnowledge
@@ -273,7 +273,7 @@ class OutputErrorEstimator:
         estimate = Estimate(
             time=stamp,
             gap=gap,
-            uncertainty=math.hypot(uncertainty, yielding_doubt(fit), jump),
+            uncertainty=math.hypot(uncertainty, self._friction.doubt(fit), jump),
             growth=growth,
             growth_uncertainty=math.hypot(growth_uncertainty, sudden),
             gain_correction=gain,

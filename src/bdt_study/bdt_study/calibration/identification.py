@@ -83,7 +83,7 @@ class Identification:
             walk = max(self.fit.levels.fast, self.fit.levels.slow)
             hidden = HIDDEN_WALK * walk / self.model.lead_screw.pitch
             uncertainty = math.hypot(uncertainty, hidden)
-        return gap, math.hypot(uncertainty, yielding_doubt(self.fit))
+        return gap, math.hypot(uncertainty, yielding_doubt(self.fit, openness=0.0))
 
     @property
     def explains(self) -> bool:

@@ -5,8 +5,8 @@ from dataclasses import replace
 from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_study.calibration.fitted_data import SETTINGS
 from bdt_study.calibration.whole_fit import fit_machine_noise
-from bdt_twin.alternative_friction import are_alike
 from bdt_twin.fit_result import Fit
+from bdt_twin.friction_evidence import are_alike
 from bdt_twin.machine_knowledge import YIELD_ANGLE, MachineKnowledge
 from bdt_twin.machine_memory import SMALLEST_FRICTION
 from bdt_twin.noise_levels import quiet
