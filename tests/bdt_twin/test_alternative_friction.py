@@ -98,10 +98,10 @@ class Told(AlternativeFriction):
         return replace(fit, unknowns=unknowns, prediction_error=error)
 
 
-def restless(**changes):
+def restless(simulated=0):
     """Return a window that its fit leaves restless, and the fit."""
     window, fit = explained()
-    return window, replace(fit, **{"levels": RESTLESS, "simulated": 0, **changes})
+    return window, replace(fit, levels=RESTLESS, simulated=simulated)
 
 
 def believed(gains, memory=None):
@@ -196,7 +196,6 @@ def test_windows_that_are_explained_or_take_long_are_not_compared(case):
 
 
 def test_the_work_of_both_fits_counts():
-    window, fit = explained()
-    fit = replace(fit, levels=RESTLESS, simulated=1000)
+    window, fit = restless(simulated=1000)
     _, after = Told([0.0]).better(window, fit, memory_of_friction(), CHANGE)
     assert after.simulated == 2000

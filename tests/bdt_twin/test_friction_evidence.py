@@ -128,6 +128,6 @@ def test_no_single_window_decides(before, angle):
 
 
 def test_angles_are_alike_whichever_comes_first():
-    assert are_alike([1.0, 0.99 * ALIKE])
-    assert are_alike([0.99 * ALIKE, 1.0, 1.2])
-    assert not are_alike([1.0, 1.01 * ALIKE])
+    assert are_alike([1.0, 0.99 * ALIKE], ALIKE)
+    assert are_alike([0.99 * ALIKE, 1.0, 1.2], ALIKE)
+    assert not are_alike([1.0, 1.01 * ALIKE], ALIKE)

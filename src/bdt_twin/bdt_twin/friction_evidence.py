@@ -18,7 +18,7 @@ CERTAIN, BELIEVED = 100.0, 75.0
 UNFINISHED = 150.0
 """Loss of log-likelihood from which on a fit with the other friction has not come to its end."""
 ALIKE = 1.5
-"""Largest ratio of yield angles that are those of one friction."""
+"""Ratio of the yield angles of two windows below which they are those of one friction."""
 DIFFERENCE_DOUBT = 0.6
 """Standard uncertainty over the difference of two gaps of which either may be true."""
 
@@ -71,7 +71,7 @@ class FrictionEvidence:
         most = MOST_GAIN
         if angle is not None and gain > 0.0:
             most *= min(angle / LARGE_ANGLE, 1.0)
-            if self._gain > 0.0 and not are_alike([angle, self._angle]):
+            if self._gain > 0.0 and not are_alike([angle, self._angle], ALIKE):
                 self._gain = 0.0
             self._angle = angle
         self._gain = max(self._gain + min(max(gain, -MOST_GAIN), most), -CERTAIN)
@@ -82,12 +82,14 @@ class FrictionEvidence:
         self._gain = 0.0
 
 
-def are_alike(angles: Sequence[float]) -> bool:
+def are_alike(angles: Sequence[float], ratio: float) -> bool:
     """Tell whether yield angles that several fits have found are those of one friction.
 
     Parameters
     ----------
     angles : sequence of float
         The angles [rad].
+    ratio : float
+        Ratio of the largest to the smallest one below which they are.
     """
-    return max(angles) < ALIKE * min(angles)
+    return max(angles) < ratio * min(angles)

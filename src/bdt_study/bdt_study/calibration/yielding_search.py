@@ -16,6 +16,8 @@ FIRST_ANGLES = 2e-3, 1e-2
 """Yield angles at which fits begin [rad]."""
 GAIN = 10.0
 """Gain of log-likelihood over rigid friction from which on friction is one that yields."""
+ALIKE = 1.3
+"""Ratio of the angles that the fits have found below which it is one angle."""
 
 
 def yielding_fit(window: CalibrationWindow, rigid: Fit, known: MachineKnowledge) -> Fit | None:
@@ -41,6 +43,6 @@ def yielding_fit(window: CalibrationWindow, rigid: Fit, known: MachineKnowledge)
         begun = replace(rigid, unknowns=unknowns, levels=quiet(rigid.levels))
         fits.append(fit_machine_noise(problem, fit_machine_noise(problem, begun)))
     angles = [float(each.unknowns.effects[YIELD_ANGLE]) for each in fits]
-    if min(each.gain_over(rigid) for each in fits) < GAIN or not are_alike(angles):
+    if min(each.gain_over(rigid) for each in fits) < GAIN or not are_alike(angles, ALIKE):
         return None
     return min(fits, key=lambda each: each.prediction_error)
