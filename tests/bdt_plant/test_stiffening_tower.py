@@ -27,8 +27,9 @@ def base(time):
     return 2.5e-3 * (1 - np.cos(rate * time)), 2.5e-3 * rate * np.sin(rate * time)
 
 
-def run(screw=0.0, cubic=0.0, push_2=0.0, push_3=0.0, steps=STEPS):
-    step = discretize_tower(StructureParameters(), BeamParameters(cubic), screw, DURATION / steps)
+def run(screw=0.0, cubic=0.0, push_2=0.0, push_3=0.0, ratio=1.0, steps=STEPS):
+    structure = StructureParameters(top_mass_ratio=ratio)
+    step = discretize_tower(structure, BeamParameters(cubic), screw, DURATION / steps)
     tower, states = REST, []
     d = base(np.linspace(0.0, DURATION, steps + 1))[0].tolist()
     for before, after in itertools.pairwise(d):
@@ -37,7 +38,7 @@ def run(screw=0.0, cubic=0.0, push_2=0.0, push_3=0.0, steps=STEPS):
     return np.array(states)
 
 
-def solve(screw=0.0, cubic=0.0, push_2=0.0, push_3=0.0, steps=STEPS):
+def solve(screw=0.0, cubic=0.0, push_2=0.0, push_3=0.0, ratio=1.0, steps=STEPS):
     def beam(x, v):
         return K * x + cubic * x**3 + C * v
 
@@ -48,7 +49,7 @@ def solve(screw=0.0, cubic=0.0, push_2=0.0, push_3=0.0, steps=STEPS):
             q1, v1 = d, d_velocity
         lower, upper = beam(q1 - q2, v1 - v2), beam(q2 - q3, v2 - v3)
         a1 = (screw * (d - q1) - lower) / MASS
-        return [v1, a1, v2, (lower - upper + push_2) / MASS, v3, (upper + push_3) / MASS]
+        return [v1, a1, v2, (lower - upper + push_2) / MASS, v3, (upper + push_3) / (ratio * MASS)]
 
     times = np.linspace(0.0, DURATION, steps + 1)
     solution = solve_ivp(
@@ -62,7 +63,8 @@ EFFECTS = {
     "a push on platform 2": {"push_2": 5.0},
     "a push on platform 3": {"push_3": -5.0},
     "an elastic screw": {"screw": SCREW},
-    "all of them": {"cubic": CUBIC, "push_2": 1.0, "push_3": -2.0, "screw": SCREW},
+    "a payload": {"ratio": 1.4},
+    "all of them": {"cubic": CUBIC, "push_2": 1.0, "push_3": -2.0, "screw": SCREW, "ratio": 0.8},
 }
 
 

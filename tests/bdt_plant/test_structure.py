@@ -66,7 +66,8 @@ def test_a_base_that_moves_in_straight_lines_gives_the_response_of_eq_3(
     assert error <= 1e-9 * np.abs(expected).max()
 
 
-def test_the_response_is_that_of_the_integrated_equations_of_motion():
+@pytest.mark.parametrize("ratio", [1.0, 0.7, 1.5])
+def test_the_response_is_that_of_the_integrated_equations_of_motion(ratio):
     _, base = corners(100, 2e-3)
     state, expected = np.zeros(4), [np.zeros(4)]
     for before, after in pairwise(base):
@@ -77,12 +78,13 @@ def test_the_response_is_that_of_the_integrated_equations_of_motion():
             q2, v2, q3, v3 = x
             lower = K * (q1 - q2) + C * (velocity - v2)
             upper = K * (q2 - q3) + C * (v2 - v3)
-            return [v2, (lower - upper) / M, v3, upper / M]
+            return [v2, (lower - upper) / M, v3, upper / (ratio * M)]
 
         state = solve_ivp(rates, (0, 2e-3), state, "DOP853", rtol=1e-10, atol=1e-14).y[:, -1]
         expected.append(state)
     expected = np.array(expected)
-    error = np.abs(run(base, 2e-3) - expected).max(axis=0)
+    structure = StructureParameters(top_mass_ratio=ratio)
+    error = np.abs(run(base, 2e-3, structure=structure) - expected).max(axis=0)
     assert (error <= 1e-9 * np.abs(expected).max(axis=0)).all()
 
 
@@ -118,6 +120,13 @@ def test_the_first_mode_lies_at_27_rad_a_second_with_5_percent_damping():
     assert dampings[0] == pytest.approx(0.05, abs=5e-4)
 
 
+@pytest.mark.parametrize("ratio", [0.5, 1.2, 3.0])
+def test_modes_of_unequal_masses_are_those_of_the_characteristic_equation(ratio):
+    frequencies, _ = modes(StructureParameters(damping=0.0, top_mass_ratio=ratio))
+    squares = np.roots([1.0, -(2.0 + 1.0 / ratio) * K / M, (K / M) ** 2 / ratio])
+    np.testing.assert_allclose(frequencies, np.sqrt(np.sort(squares)), rtol=1e-8)
+
+
 def test_the_poles_are_those_of_eq_3():
     step = discretize_structure(StructureParameters(), SAMPLE_TIME)
     found = np.poly(np.array([row[:4] for row in step]))
@@ -133,7 +142,7 @@ def test_without_dissipation_the_energy_stays():
     np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["mass", "stiffness"])
+@pytest.mark.parametrize("name", ["mass", "stiffness", "top_mass_ratio"])
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf"), "5", True])
 def test_a_mass_or_stiffness_that_no_structure_has_is_refused(name, value):
     with pytest.raises(ValueError, match=rf"StructureParameters\.{name} = .*must be .* to "):

@@ -30,6 +30,8 @@ EFFICIENCY = 0.4
 """Efficiency of the screw with a load."""
 FADE, ALONG = 5e-3, 20.0
 """Shares of the friction that are lost in a second, and that are more for each meter."""
+PAYLOAD = 1.3
+"""Mass of a top platform that carries something, over that of the other."""
 MACHINES = {
     "the paper's": UnknownMachine(),
     "Coulomb friction": UnknownMachine(coulomb_friction=FRICTION),
@@ -40,6 +42,7 @@ MACHINES = {
     "amplifier offset": UnknownMachine(amplifier_offset=OFFSET),
     "late reading": UnknownMachine(delay=1e-3),
     "pushes": UnknownMachine(push_force=2.0),
+    "payload": UnknownMachine(upper_mass=PAYLOAD),
     "everyday": replace(EVERYDAY, viscous_friction=5e-5, efficiency=1.0),
 }
 
@@ -93,6 +96,7 @@ LIMITS = {
     "amplifier offset": (0.09, 0.3),
     "late reading": (0.06, 0.2),
     "pushes": (0.15, 0.4),
+    "payload": (0.08, 0.3),
     "everyday": (0.6, 2.5),
 }
 """Largest error of the gap, rms and worst [deg]."""
@@ -222,10 +226,16 @@ def test_a_late_reading_is_found_to_be_late():
     assert told_of("late reading")["delay"] == pytest.approx(1e-3, abs=2e-4)
 
 
+def test_a_payload_is_found_as_the_ratio_of_the_masses():
+    told = told_of("payload")
+    assert math.exp(told["top_mass_ratio"]) == pytest.approx(PAYLOAD, rel=0.01)
+
+
 def test_a_machine_without_any_effect_is_told_to_have_none():
     told = told_of("the paper's")
     assert abs(told["friction_voltage"]) < 1e-3
     assert abs(told["voltage_offset"]) < 1e-3
+    assert abs(told["top_mass_ratio"]) < 1e-3
     # Steps of the machine lead by half their length, once for each integration.
     assert abs(told["delay"]) < 1e-4
 

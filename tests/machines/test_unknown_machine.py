@@ -17,6 +17,7 @@ from bdt_plant.screw_load import ScrewMechanics
 from bdt_plant.sensor import SensorParameters
 from bdt_plant.stiffening_tower import BeamParameters
 from bdt_plant.stribeck import StribeckParameters
+from bdt_plant.structure import StructureParameters
 from bdt_study.simulation.closed_loop import Scenario, simulate
 
 DURATION = 12.0
@@ -57,6 +58,11 @@ EFFECTS = {
     "load": (
         {"coulomb_friction": FRICTION, "efficiency": 0.4},
         {"motor": frictional(), "screw_mechanics": ScrewMechanics(0.4)},
+        {},
+    ),
+    "a payload": (
+        {"upper_mass": 1.3},
+        {"structure": StructureParameters(top_mass_ratio=1.3)},
         {},
     ),
     "stiffening beams": ({"cubic_stiffness": 2e6}, {"beams": BeamParameters(2e6)}, {}),

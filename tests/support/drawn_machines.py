@@ -181,6 +181,8 @@ KINDS = {
     "friction yields by 1 deg": slight(presliding=math.radians(1.0)),
     "everyday, friction yields": Kind(partial(yielding, everyday)),
     "unknown, friction yields": Kind(partial(yielding, unknown)),
+    "top platform 30 % heavier": slight(upper_mass=1.3),
+    "upper beams 20 % softer": slight(upper_stiffness=0.8),
     "guides with 0.1 N": slight(guide_friction=0.1),
     "twice the inertia": slight(inertia=10e-6),
 }

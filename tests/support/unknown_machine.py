@@ -66,6 +66,10 @@ class UnknownMachine:
     mass: float = 5.2
     stiffness: float = 1e4
     damping: float = 36.9
+    upper_mass: float = 1.0
+    """Mass of the top platform over that of the other."""
+    upper_stiffness: float = 1.0
+    """Stiffness of the upper beams over that of the lower ones."""
     cubic_stiffness: float = 0.0
     """Force of a beam per cube of its bend [N/m^3]."""
     efficiency: float = 0.0
@@ -110,6 +114,17 @@ EVERYDAY = UnknownMachine(
 """A machine with a bit of everything."""
 
 
+CONSTANTS = (
+    *("inertia", "inductance", "resistance", "torque_constant", "back_emf_constant"),
+    *("viscous_friction", "coulomb_friction", "friction_at_rest", "stribeck_speed"),
+    *("friction_asymmetry", "cogging", "cogs", "mass", "stiffness", "damping"),
+    *("cubic_stiffness", "efficiency", "pushes_middle", "friction_along", "friction_fade"),
+    *("thread_error", "guide_friction", "presliding", "bristle_damping"),
+    *("upper_mass", "upper_stiffness"),
+)
+"""What the loop takes, in its order."""
+
+
 class RunningMachine:
     """A machine at rest that is about to move.
 
@@ -137,7 +152,10 @@ class RunningMachine:
         self._late = round(machine.delay / STEP_TIME)
         # Positions of the platform at every step: a delay is no whole number of samples.
         self._positions = np.zeros(count * self._inner + 1)
-        self._state, self._constants = np.zeros(11), _constants(machine)
+        self._state, self._constants = (
+            np.zeros(11),
+            np.array([float(getattr(machine, name)) for name in CONSTANTS]),
+        )
         self._voltages = np.empty(count)
         self._sample = 0
 
@@ -181,38 +199,6 @@ class RunningMachine:
         return reading
 
 
-def _constants(machine: UnknownMachine) -> FloatArray:
-    most = max(machine.friction_at_rest, machine.coulomb_friction)
-    return np.array(
-        [
-            machine.inertia,
-            machine.inductance,
-            machine.resistance,
-            machine.torque_constant,
-            machine.back_emf_constant,
-            machine.viscous_friction,
-            machine.coulomb_friction,
-            most - machine.coulomb_friction,
-            machine.stribeck_speed,
-            machine.friction_asymmetry,
-            machine.cogging,
-            machine.cogs,
-            machine.mass,
-            machine.stiffness,
-            machine.damping,
-            machine.cubic_stiffness,
-            machine.efficiency,
-            float(machine.pushes_middle),
-            machine.friction_along,
-            machine.friction_fade,
-            machine.thread_error,
-            machine.guide_friction,
-            machine.presliding,
-            machine.bristle_damping,
-        ]
-    )
-
-
 def _amplified(machine: UnknownMachine, voltage: float) -> float:
     if machine.amplifier_bits > 0:
         step = 2.0 * LARGEST_VOLTAGE / 2**machine.amplifier_bits
@@ -241,16 +227,19 @@ def _advance(  # noqa: PLR0915 - one loop, compiled as a whole
     positions: FloatArray,
 ) -> None:
     inertia, inductance, resistance, per_ampere, back_emf = constants[:5]
-    viscous, coulomb, beyond, stribeck, asymmetry, cogging, cogs = constants[5:12]
+    viscous, coulomb, at_rest, stribeck, asymmetry, cogging, cogs = constants[5:12]
     mass, stiffness, damping, cubic, efficiency, pushes_middle = constants[12:18]
     current, speed, motor, screw = state[:4]
     along_screw, fade, thread_error, guide_friction, presliding, bristle_damping = constants[18:24]
+    upper_mass, upper_stiffness = mass * constants[24], stiffness * constants[25]
+    beyond = max(at_rest - coulomb, 0.0)
     q2, v2, q3, v3, base_speed, time, bend = state[4:11]
     inner = positions.size // gaps.size
     against = PITCH / efficiency if efficiency > 0.0 else 0.0
     # A screw that the load drives: below a half it is self-locking.
     along = PITCH * max(2.0 - 1.0 / efficiency, 0.0) if efficiency > 0.0 else 0.0
-    held, base = STEP_TIME * guide_friction / mass, PITCH * screw + thread_error * np.sin(screw)
+    held = STEP_TIME * guide_friction / mass, STEP_TIME * guide_friction / upper_mass
+    base = PITCH * screw + thread_error * np.sin(screw)
     for step in range(positions.size):
         half, push = 0.5 * gaps[step // inner], pushes[step // inner]
         current += STEP_TIME / inductance * (voltage - back_emf * speed)
@@ -287,11 +276,11 @@ def _advance(  # noqa: PLR0915 - one loop, compiled as a whole
         beam = base - q2
         lower = stiffness * beam + cubic * beam**3 + damping * (base_speed - v2)
         beam = q3 - q2
-        upper = stiffness * beam + cubic * beam**3 + damping * (v3 - v2)
+        upper = upper_stiffness * beam + cubic * beam**3 + damping * (v3 - v2)
         v2 += STEP_TIME * (lower + upper + pushes_middle * push) / mass
-        v3 += STEP_TIME * ((1.0 - pushes_middle) * push - upper) / mass
-        v2 -= min(max(v2, -held), held)
-        v3 -= min(max(v3, -held), held)
+        v3 += STEP_TIME * ((1.0 - pushes_middle) * push - upper) / upper_mass
+        v2 -= min(max(v2, -held[0]), held[0])
+        v3 -= min(max(v3, -held[1]), held[1])
         time += STEP_TIME
         q2 += STEP_TIME * v2
         q3 += STEP_TIME * v3

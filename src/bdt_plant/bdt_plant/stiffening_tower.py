@@ -135,7 +135,8 @@ def _tower_state_space(
     upper, from_base = structure_state_space(structure)
     a, to_d, to_force = np.zeros((6, 6)), np.zeros((6, 2)), np.zeros((6, 3))
     a[2:, 2:] = upper
-    to_force[3, 1] = to_force[5, 2] = 1.0 / structure.mass
+    to_force[3, 1] = 1.0 / structure.mass
+    to_force[5, 2] = to_force[3, 1] / structure.top_mass_ratio
     if screw_stiffness == 0.0:
         to_d[2:] = from_base
         return a, to_d, to_force

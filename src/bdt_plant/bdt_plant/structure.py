@@ -3,9 +3,9 @@
 The lead screw is rigid, so the bottom platform follows it: q1 = d. Platforms 2 and 3 obey
 
     m q2'' = k (q1 - q2) + c (q1' - q2') + k (q3 - q2) + c (q3' - q2')
-    m q3'' = k (q2 - q3) + c (q2' - q3')
+    r m q3'' = k (q2 - q3) + c (q2' - q3')
 
-whose transfer function from d to q3 is eq. 3.
+whose transfer function from d to q3 is eq. 3 where platform 3 is as heavy as platform 2 (r = 1).
 """
 
 from dataclasses import dataclass
@@ -31,6 +31,14 @@ class StructureParameters:
     )
     damping: float = quantity(
         36.9, "N s/m", "dissipation c of the beams between two platforms", minimum=0.0, maximum=1e9
+    )
+
+    top_mass_ratio: float = quantity(
+        1.0,
+        "",
+        "mass of platform 3, with what it carries, over that of platform 2",
+        minimum=0.01,
+        maximum=100.0,
     )
 
     def __post_init__(self) -> None:
@@ -69,7 +77,8 @@ def structure_state_space(
     """
     k = structure.stiffness / structure.mass
     c = structure.damping / structure.mass
-    a = np.array([[0, 1, 0, 0], [-2 * k, -2 * c, k, c], [0, 0, 0, 1], [k, c, -k, -c]])
+    top = np.array([k, c, -k, -c]) / structure.top_mass_ratio
+    a = np.array([[0, 1, 0, 0], [-2 * k, -2 * c, k, c], [0, 0, 0, 1], top])
     b = np.array([[0, 0], [k, c], [0, 0], [0, 0]])
     return a, b
 

@@ -174,10 +174,11 @@ def _draw_motor(
 def _draw_structure(
     structure: StructureParameters, effects: MachineEffects, draws: Draws
 ) -> StructureParameters:
-    return StructureParameters(
-        structure.mass * (1.0 + draws.signed(effects.mechanics_error)),
-        structure.stiffness * (1.0 + draws.signed(effects.mechanics_error)),
-        structure.damping * (1.0 + draws.signed(effects.damping_error)),
+    return replace(
+        structure,
+        mass=structure.mass * (1.0 + draws.signed(effects.mechanics_error)),
+        stiffness=structure.stiffness * (1.0 + draws.signed(effects.mechanics_error)),
+        damping=structure.damping * (1.0 + draws.signed(effects.damping_error)),
     )
 
 
