@@ -25,9 +25,9 @@ from bdt_twin.noise_levels import is_restless
 
 FloatArray = NDArray[np.float64]
 
-EVIDENCE, MASS_EVIDENCE = 4.0, 100.0
-"""Gain of log-likelihood that is evidence of an effect, and of unequal masses: beams that stiffen
-look like these, too, but do not gain as much by far as masses that differ by a tenth."""
+EVIDENCE, MASS_EVIDENCE = 4.0, 300.0
+"""Gain of log-likelihood that is evidence of an effect, and of unequal masses: all that the model
+does not explain yet looks like these, too, but gains less than masses that differ by 5 %."""
 WITH_FRICTION = ("voltage_offset", "excess_voltage", "stribeck_speed", "load_voltage")
 """Effects of every motor with friction: friction differs by direction and by speed, and the screw
 has some, too. To leave them out until there is evidence would make the first windows too sure."""
