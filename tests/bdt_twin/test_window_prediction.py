@@ -38,7 +38,7 @@ def last(closed_loop):
     def fitted(every, growth=0.0, model=MODEL):
         loop = closed_loop(12.0, duration=12.0, rate=RATE, model=model)
         window = window_of(loop, 0.0, 9.0, every)
-        # Without evidence of it: a push that is not left out looks like a payload.
+        # As for every window without evidence of it: a push may be taken for a payload.
         known = first_knowledge(MODEL.motor).without({TOP_MASS_RATIO})
         fit = fit_window(window, math.radians(0.02), known)
         return loop, Predecessor(window, fit, growth)

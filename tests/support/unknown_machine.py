@@ -152,10 +152,8 @@ class RunningMachine:
         self._late = round(machine.delay / STEP_TIME)
         # Positions of the platform at every step: a delay is no whole number of samples.
         self._positions = np.zeros(count * self._inner + 1)
-        self._state, self._constants = (
-            np.zeros(11),
-            np.array([float(getattr(machine, name)) for name in CONSTANTS]),
-        )
+        self._state = np.zeros(11)
+        self._constants = np.array([float(getattr(machine, name)) for name in CONSTANTS])
         self._voltages = np.empty(count)
         self._sample = 0
 

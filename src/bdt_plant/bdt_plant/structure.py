@@ -32,7 +32,6 @@ class StructureParameters:
     damping: float = quantity(
         36.9, "N s/m", "dissipation c of the beams between two platforms", minimum=0.0, maximum=1e9
     )
-
     top_mass_ratio: float = quantity(
         1.0,
         "",

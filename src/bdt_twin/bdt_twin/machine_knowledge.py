@@ -159,6 +159,19 @@ class MachineKnowledge(NamedTuple):
         return MachineKnowledge(expected, covariance)
 
 
+def factors_of_model(factors: FloatArray, effects: FloatArray) -> FloatArray:
+    """Return the natural logarithms of ``model_factors.MODEL_FACTORS``, shape (4,).
+
+    Parameters
+    ----------
+    factors : ndarray, shape (3,)
+        Natural logarithms of ``FACTORS``.
+    effects : ndarray, shape (effects,)
+        ``EFFECTS``.
+    """
+    return np.append(factors, effects[TOP_MASS_RATIO])
+
+
 def grown_friction(growth: float, time: float) -> float:
     """Return what friction has become after some time, over what it was.
 

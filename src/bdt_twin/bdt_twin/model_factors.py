@@ -29,14 +29,16 @@ effects. With k/m and this ratio both modes are where they are, whether it is ma
 differ."""
 STRUCTURAL = slice(1, len(MODEL_FACTORS))
 """Places of those of the structure, in which the motor's gain has no part."""
-TOP_MASS, TWISTED = MODEL_FACTORS.index("top_mass_ratio"), (1, 2)
-"""Places of the ratio of the masses, and of the factors on what it divides."""
+TOP_MASS = MODEL_FACTORS.index("top_mass_ratio")
+"""Place of the ratio of the masses."""
+TWISTED = tuple(map(MODEL_FACTORS.index, ("stiffness", "damping")))
+"""Places of the factors on what it divides."""
 
 FACTOR_GRID = np.array([2e-2, 2e-2, 5e-2, 2e-2])
 """Spacing of the logarithms of ``MODEL_FACTORS``; the model depends least on the damping."""
 FACTOR_CHANGE = 1e-3
 """Change of a factor's logarithm from which a slope is taken."""
-STRUCTURE_CHANGES = FACTOR_CHANGE * np.eye(len(MODEL_FACTORS))[STRUCTURAL]
+CHANGES = FACTOR_CHANGE * np.eye(len(MODEL_FACTORS))[STRUCTURAL]
 """Changes of the structure's factors, one in each row."""
 MOST_GRIDS, MOST_POINTS = 32, 1024
 """Models, and points of the grid of each, that are remembered."""

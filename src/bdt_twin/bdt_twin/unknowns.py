@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, TOP_MASS_RATIO, YIELD_ANGLE
+from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, YIELD_ANGLE, factors_of_model
 from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
@@ -52,7 +52,7 @@ class Unknowns:
     @property
     def model_factors(self) -> FloatArray:
         """Natural logarithms of ``model_factors.MODEL_FACTORS``, shape (4,)."""
-        return np.append(self.factors, self.effects[TOP_MASS_RATIO])
+        return factors_of_model(self.factors, self.effects)
 
     def with_yield_angle(self, angle: float) -> "Unknowns":
         """Return them for friction that yields by another angle [rad], with gaps that go with it.

@@ -22,9 +22,9 @@ from bdt_twin.gap_samples import GapSamples
 from bdt_twin.innovations import DeviationModel, Motion
 from bdt_twin.machine_knowledge import EFFECTS, TOP_MASS_RATIO
 from bdt_twin.model_factors import (
+    CHANGES,
     FACTOR_CHANGE,
     FACTORS,
-    STRUCTURE_CHANGES,
     block_model_with,
     plant_step_with,
 )
@@ -172,7 +172,7 @@ class WindowModel:
         count = first + len(INITIAL_CONDITION)
         start, step = self._by_blocks(unknowns.model_factors)
         # In the last columns each factor of the structure is smaller.
-        own, columns = (knots + 1, knots + 2, effects + TOP_MASS_RATIO), count + 3
+        own, columns = (knots + 1, knots + 2, effects + TOP_MASS_RATIO), count + len(CHANGES)
         bases, states = np.zeros((run.screw.size, columns)), np.zeros((columns, len(start)))
         steps = np.tile(step, (columns, 1, 1))
         self._write_play_bases(bases[:, :knots], number, unknowns, run)
@@ -185,7 +185,7 @@ class WindowModel:
         travel = self.travel_per_volt(unknowns) * moved
         bases[:, effects:first] = drive_bases(unknowns.effects, run.drives, turns, travel).T
         state = unknowns.initial_conditions[number, INITIAL_CONDITION.index("q2") :]
-        changes = (*STRUCTURE_CHANGES, *-STRUCTURE_CHANGES)
+        changes = (*CHANGES, *-CHANGES)
         for column, change in zip((*own, *range(count, columns)), changes, strict=True):
             changed_start, steps[column] = self._by_blocks(unknowns.model_factors + change)
             states[column] = product(changed_start, state)
@@ -208,8 +208,8 @@ class WindowModel:
 
     def sample_step(self, unknowns: Unknowns) -> DiscreteStructure:
         """Return the structure's model from sample to sample."""
-        time = 1.0 / self.sampling_rate
-        return plant_step_with(self._model, unknowns.model_factors, time).structure
+        factors, rate = unknowns.model_factors, self.sampling_rate
+        return plant_step_with(self._model, factors, 1.0 / rate).structure
 
     def screw_turns(self, unknowns: Unknowns, number: int) -> float:
         """Return how often the screw has turned when a stretch begins, from the reading there."""

@@ -119,6 +119,7 @@ def identify(model: PlantModel, data: Data) -> Identification:
     moved = start.factors
     for _ in range(MOST_BEGINNINGS):
         # The fit goes on from a model whose factors are ones: its logarithms are bounded.
+        # The ratio of the masses, whose logarithm is never far from zero, stays among the effects.
         # What a motor that answers too late takes for an early reading, no window believes.
         factors = np.append(start.factors, 0.0)
         model, start = without_early_reading(model_with(model, factors), start)
