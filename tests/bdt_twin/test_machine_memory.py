@@ -11,14 +11,12 @@ from bdt_twin.machine_knowledge import (
     COGGING,
     EFFECT_SPREAD,
     EFFECTS,
-    TOP_MASS_RATIO,
     YIELD_ANGLE,
     MachineKnowledge,
 )
 from bdt_twin.machine_memory import (
     COGGING_EVIDENCE,
     EVIDENCE,
-    MASS_EVIDENCE,
     OTHER_EVIDENCE,
     PLAUSIBLE,
     SEARCH_AGAIN,
@@ -54,14 +52,6 @@ def test_a_machine_has_no_effect_before_there_is_evidence():
     memory = MachineMemory(MotorParameters())
     assert not memory.has_evidence(evidence_of("voltage_offset", EVIDENCE), told())
     assert spread_of(memory.before(0.0, 0.0), OFFSET) == pytest.approx(ABSENT * EFFECT_SPREAD[1])
-
-
-def test_unequal_masses_ask_for_more_evidence():
-    """Beams that stiffen look like them."""
-    memory = MachineMemory(MotorParameters())
-    assert not memory.has_evidence(evidence_of("top_mass_ratio", MASS_EVIDENCE), told())
-    assert memory.has_evidence(evidence_of("top_mass_ratio", MASS_EVIDENCE + 1.0), told())
-    assert memory.present == {TOP_MASS_RATIO}
 
 
 def test_evidence_makes_one_effect_at_a_time_an_unknown():

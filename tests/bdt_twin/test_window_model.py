@@ -40,7 +40,6 @@ RESISTED = EFFECTS_ALONE | {
     "cogging_cosine": -1e-3,
     "friction_growth": -8e-3,
     "friction_slope": 15.0,
-    "top_mass_ratio": 0.037,
 }
 YIELDS = EFFECTS_ALONE | {"yield_angle": 6e-3}
 YIELDS_AND_MORE = RESISTED | {"yield_angle": 6e-3}

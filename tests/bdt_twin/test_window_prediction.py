@@ -8,7 +8,7 @@ import pytest
 
 from bdt_plant.plant import PlantModel
 from bdt_plant.pushes import PushParameters
-from bdt_twin.machine_knowledge import TOP_MASS_RATIO, first_knowledge
+from bdt_twin.machine_knowledge import first_knowledge
 from bdt_twin.noise_levels import NoiseLevels
 from bdt_twin.stretch import Stretch
 from bdt_twin.unknowns import INITIAL_CONDITION
@@ -38,9 +38,7 @@ def last(closed_loop):
     def fitted(every, growth=0.0, model=MODEL):
         loop = closed_loop(12.0, duration=12.0, rate=RATE, model=model)
         window = window_of(loop, 0.0, 9.0, every)
-        # As for every window without evidence of it: a push may be taken for a payload.
-        known = first_knowledge(MODEL.motor).without({TOP_MASS_RATIO})
-        fit = fit_window(window, math.radians(0.02), known)
+        fit = fit_window(window, math.radians(0.02), first_knowledge(MODEL.motor))
         return loop, Predecessor(window, fit, growth)
 
     return fitted

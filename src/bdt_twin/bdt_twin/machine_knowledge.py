@@ -32,7 +32,6 @@ EFFECTS = (
     *COGGING_PARTS,
     *FRICTION_CHANGES,
     "yield_angle",
-    "top_mass_ratio",
 )
 """What a machine has that the paper's mechanism has not: Coulomb friction as the voltage that it
 takes [V], the voltage that the amplifier adds [V], the age of a reading [s], the drift of the
@@ -40,32 +39,29 @@ readings [m/s], how much more voltage friction takes at rest [V], the natural lo
 Stribeck speed over ``USUAL_STRIBECK_SPEED``, the voltage that the motor takes for the force with
 which the structure resists the screw [V/N], the parts of the motor's cogging as voltages against
 forward motion, waves of its angle [V], and by which shares of it Coulomb friction changes with time
-[1/s] and along the screw [1/m]; it is that at the newest sample of a window, at position zero; the
-angle by which it yields before it slides [rad]. Last comes the logarithm of the top platform's mass
-over that of the one below, beside what the model says of it."""
+[1/s] and along the screw [1/m]; it is that at the newest sample of a window, at position zero. Last
+comes the angle by which it yields before it slides [rad]."""
 
 COGGING = frozenset(map(EFFECTS.index, COGGING_PARTS))
 """Places in ``EFFECTS`` of the parts of cogging."""
 
 YIELD_ANGLE = EFFECTS.index("yield_angle")
 """Place in ``EFFECTS`` of the angle by which friction yields."""
-TOP_MASS_RATIO = EFFECTS.index("top_mass_ratio")
-"""Place in ``EFFECTS`` of the ratio of the masses."""
 
 USUAL_STRIBECK_SPEED = 2.0
 """Stribeck speed of a motor that nobody has looked at [rad/s]."""
 
 EFFECT_LIMITS = np.array(
     [
-        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0, -0.1, -200.0, 0.0, -1.0],
-        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0, 0.1, 200.0, 0.1, 1.0],
+        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0, -0.1, -200.0, 0.0],
+        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0, 0.1, 200.0, 0.1],
     ]
 )
 """Smallest and largest values of ``EFFECTS``."""
 
 FACTOR_SPREAD = (0.3, 0.2, 0.7)
 """Standard deviations of the logarithms of ``FACTORS`` of a machine that nobody has looked at."""
-EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03, 5e-3, 20.0, 0.02, 0.2)
+EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03, 5e-3, 20.0, 0.02)
 """Standard deviations of its ``EFFECTS``."""
 
 FACTOR_CHANGE_RATE = (5e-4, 5e-4, 5e-3)
@@ -83,7 +79,6 @@ EFFECT_CHANGE_RATE = (
     2e-4,
     0.2,
     1e-4,
-    5e-4,
 )
 """Random walk of ``EFFECTS``, in their units per s^0.5."""
 ABSENT = 1e-6
@@ -157,19 +152,6 @@ class MachineKnowledge(NamedTuple):
             grown * covariance[:, friction] + per_growth * covariance[:, growth]
         )
         return MachineKnowledge(expected, covariance)
-
-
-def factors_of_model(factors: FloatArray, effects: FloatArray) -> FloatArray:
-    """Return the natural logarithms of ``model_factors.MODEL_FACTORS``, shape (4,).
-
-    Parameters
-    ----------
-    factors : ndarray, shape (3,)
-        Natural logarithms of ``FACTORS``.
-    effects : ndarray, shape (effects,)
-        ``EFFECTS``.
-    """
-    return np.append(factors, effects[TOP_MASS_RATIO])
 
 
 def grown_friction(growth: float, time: float) -> float:

@@ -15,7 +15,6 @@ from bdt_twin.machine_knowledge import (
     COGGING,
     EFFECTS,
     FRICTION_CHANGES,
-    TOP_MASS_RATIO,
     YIELD_ANGLE,
     MachineKnowledge,
     first_knowledge,
@@ -25,9 +24,8 @@ from bdt_twin.noise_levels import is_restless
 
 FloatArray = NDArray[np.float64]
 
-EVIDENCE, MASS_EVIDENCE = 4.0, 300.0
-"""Gain of log-likelihood that is evidence of an effect, and of unequal masses: all that the model
-does not explain yet looks like these, too, but gains less than masses that differ by 5 %."""
+EVIDENCE = 4.0
+"""Gain of log-likelihood by an effect that is evidence of it."""
 WITH_FRICTION = ("voltage_offset", "excess_voltage", "stribeck_speed", "load_voltage")
 """Effects of every motor with friction: friction differs by direction and by speed, and the screw
 has some, too. To leave them out until there is evidence would make the first windows too sure."""
@@ -108,8 +106,9 @@ class MachineMemory:
         self._motor = motor
         self._told: deque[_Told] = deque()
         self._known: _Told | None = None
-        self._present, self._has_offset = set[int](), False
+        self._present = set[int]()
         self.cogs, self._unsearched = 0, SEARCH_EVERY
+        self._has_offset = False
         self._recalled: tuple[MachineKnowledge, float] | None = None
         if motor.coulomb_friction > 0.0:
             self._present.add(EFFECTS.index("friction_voltage"))
@@ -228,12 +227,12 @@ class MachineMemory:
         if others and has_friction:
             self._present |= others
             return True
-        gains = evidence - EVIDENCE
-        gains[TOP_MASS_RATIO] += EVIDENCE - MASS_EVIDENCE
+        gains = evidence.copy()
         gains[list(self._present if has_friction else self._present | OF_FRICTION)] = 0.0
-        if is_evident := float(gains.max()) > 0.0:
-            self._present.add(int(gains.argmax()))
-        return is_evident
+        if float(gains.max()) <= EVIDENCE:
+            return False
+        self._present.add(int(gains.argmax()))
+        return True
 
     def has_friction(self, machine: MachineKnowledge, least: float = SMALLEST_FRICTION) -> bool:
         """Tell whether a window has told that the motor has friction for certain.

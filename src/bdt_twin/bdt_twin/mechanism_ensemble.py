@@ -9,8 +9,8 @@ from bdt_plant.plant import PlantModel, discretize_plant
 from bdt_plant.quick_exponential import quick_exponential
 from bdt_twin.decision_loop import HOLD, Member
 from bdt_twin.estimator import Estimate
-from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge, factors_of_model
-from bdt_twin.model_factors import FACTORS, MODEL_FACTORS, model_with
+from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
+from bdt_twin.model_factors import FACTORS, model_with
 
 FloatArray = NDArray[np.float64]
 
@@ -86,15 +86,14 @@ class MechanismEnsemble:
     ) -> tuple[PlantModel, float, float]:
         """Return model, voltage that is not taken back [V], and age of a reading [s]."""
         if machine is None:
-            factors = np.zeros(len(MODEL_FACTORS))
-            factors[MODEL_FACTORS.index("gain")] = math.log(estimate.gain_correction)
+            factors = np.zeros(len(FACTORS))
+            factors[FACTORS.index("gain")] = math.log(estimate.gain_correction)
             return model_with(self._model, factors), 0.0, 0.0
         drawn = machine.expected + _spread(machine.covariance, draw)
-        factors, drawn_effects = np.split(drawn, [len(FACTORS)])
-        effects = dict(zip(EFFECTS, drawn_effects.tolist(), strict=True))
+        effects = dict(zip(EFFECTS, drawn[len(FACTORS) :].tolist(), strict=True))
         expected = dict(zip(EFFECTS, machine.expected[len(FACTORS) :].tolist(), strict=True))
-        factors = factors_of_model(factors, drawn_effects)
-        model = model_with(self._model, np.clip(factors, -LARGEST_LOGARITHM, LARGEST_LOGARITHM))
+        factors = np.clip(drawn[: len(FACTORS)], -LARGEST_LOGARITHM, LARGEST_LOGARITHM)
+        model = model_with(self._model, factors)
         motor = model.motor
         friction = max(effects["friction_voltage"], 0.0) * motor.torque_constant / motor.resistance
         motor = type(motor)(**vars(motor) | {"coulomb_friction": friction})

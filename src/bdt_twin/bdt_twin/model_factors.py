@@ -22,31 +22,17 @@ FloatArray = NDArray[np.float64]
 Point = tuple[int, ...]
 
 FACTORS = ("gain", "stiffness", "damping")
-"""Factors on the model that every fit corrects: of the motor's gain 1/k_B, of k/m and of c/m."""
-MODEL_FACTORS = (*FACTORS, "top_mass_ratio")
-"""These, and the factor on the top platform's mass over that of the one below, which is one of the
-effects. With k/m and this ratio both modes are where they are, whether it is masses or beams that
-differ."""
-STRUCTURAL = slice(1, len(MODEL_FACTORS))
-"""Places of those of the structure, in which the motor's gain has no part."""
-TOP_MASS = MODEL_FACTORS.index("top_mass_ratio")
-"""Place of the ratio of the masses."""
-TWISTED = tuple(map(MODEL_FACTORS.index, ("stiffness", "damping")))
-"""Places of the factors on what it divides."""
+"""Factors on the model: of the motor's gain 1/k_B, of k/m and of c/m."""
 
-FACTOR_GRID = np.array([2e-2, 2e-2, 5e-2, 2e-2])
-"""Spacing of the logarithms of ``MODEL_FACTORS``; the model depends least on the damping."""
-FACTOR_CHANGE = 1e-3
-"""Change of a factor's logarithm from which a slope is taken."""
-CHANGES = FACTOR_CHANGE * np.eye(len(MODEL_FACTORS))[STRUCTURAL]
-"""Changes of the structure's factors, one in each row."""
+FACTOR_GRID = np.array([2e-2, 2e-2, 5e-2])
+"""Spacing of the natural logarithms of ``FACTORS``; the model depends least on the damping."""
 MOST_GRIDS, MOST_POINTS = 32, 1024
 """Models, and points of the grid of each, that are remembered."""
 
 
 def model_with(model: PlantModel, factors: FloatArray) -> PlantModel:
-    """Return the model for natural logarithms of ``MODEL_FACTORS``, shape (4,)."""
-    gain, stiffness, damping, top_mass = exponential(factors).tolist()
+    """Return the model for natural logarithms of ``FACTORS``, shape (3,)."""
+    gain, stiffness, damping = exponential(factors).tolist()
     motor, structure = model.motor, model.structure
     return replace(
         model,
@@ -55,7 +41,6 @@ def model_with(model: PlantModel, factors: FloatArray) -> PlantModel:
             structure,
             stiffness=structure.stiffness * stiffness,
             damping=structure.damping * damping,
-            top_mass_ratio=structure.top_mass_ratio * top_mass,
         ),
     )
 
@@ -70,7 +55,7 @@ def check_room(model: PlantModel) -> None:
     """
     for factor in (0.5, 2.0):
         try:
-            model_with(model, np.full(len(MODEL_FACTORS), np.log(factor)))
+            model_with(model, np.full(len(FACTORS), np.log(factor)))
         except ValueError as error:
             raise ValueError(
                 f"{error}, also {factor:g} times as large: the estimator corrects it"
@@ -84,8 +69,8 @@ def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) 
     ----------
     model : PlantModel
         Constants of the mechanism without factors.
-    factors : ndarray, shape (4,)
-        Natural logarithms of ``MODEL_FACTORS``.
+    factors : ndarray, shape (3,)
+        Natural logarithms of ``FACTORS``.
     sample_time : float
         Sample time [s].
     """
@@ -111,8 +96,8 @@ def block_model_with(
     ----------
     model : PlantModel
         Constants of the mechanism without factors.
-    factors : ndarray, shape (4,)
-        Natural logarithms of ``MODEL_FACTORS``.
+    factors : ndarray, shape (3,)
+        Natural logarithms of ``FACTORS``.
     sample_time : float
         Sample time [s].
     block : int
@@ -125,8 +110,8 @@ def block_model_with(
     step : ndarray, shape (4, 6)
         Discrete structure whose sample is a block.
     """
-    of_structure = np.zeros(len(MODEL_FACTORS))
-    of_structure[STRUCTURAL] = factors[STRUCTURAL]
+    # The motor's gain has no part in it.
+    of_structure = factors * np.array([0.0, 1.0, 1.0])
     numbers = _block_grid(model, sample_time, block).numbers_at(of_structure)
     return numbers[:16].reshape(4, 4), numbers[16:].reshape(4, 6)
 
@@ -138,34 +123,27 @@ class _Grid:
         self._make, self.origin = make, origin
         self._made: dict[Point, FloatArray] = {}
         self._parabolas: dict[Point, list[tuple[FloatArray, FloatArray] | None]] = {}
-        self._twists: dict[tuple[Point, int], FloatArray] = {}
 
     def numbers_at(self, factors: FloatArray) -> FloatArray:
         """Return numbers that are known on the grid, by parabolas along its axes.
 
-        What the upper beams do is divided by the ratio of the masses, so its axis is twisted with
-        those of stiffness and damping; all others hardly are. The numbers are off by less than 5e-5
-        of their slopes, as if a factor were 0.005 % off. What is linear in the numbers, as a
-        structure that follows a slow base, stays exact.
+        They are off by less than 5e-5 of their slopes, as if a factor were 0.005 % off. What is
+        linear in the numbers, as a structure that follows a slow base, stays exact.
         """
         # A parabola is as good near its ends as in its middle: every other point will do for that.
         point = 2 * np.rint(factors / (2.0 * FACTOR_GRID)).astype(int)
         place: Point = tuple(point.tolist())
         numbers = self._at(place).copy()
-        offs = (factors / FACTOR_GRID - point).tolist()
-        for axis, off in enumerate(offs):
+        for axis, off in enumerate((factors / FACTOR_GRID - point).tolist()):
             if off != 0.0:
                 slope, curvature = self._parabola(place, axis)
                 numbers += 0.5 * off * slope
                 numbers += 0.5 * off * off * curvature
-        if offs[TOP_MASS] != 0.0:
-            for axis in TWISTED:
-                numbers += offs[axis] * offs[TOP_MASS] * self._twist(place, axis)
         return numbers
 
     def _parabola(self, place: Point, axis: int) -> tuple[FloatArray, FloatArray]:
         """Return twice the slope and the curvature of the numbers along an axis."""
-        known = self._parabolas.setdefault(place, [None] * len(MODEL_FACTORS))
+        known = self._parabolas.setdefault(place, [None] * len(FACTORS))
         parabola = known[axis]
         if parabola is None:
             ahead, behind = (
@@ -176,23 +154,11 @@ class _Grid:
             known[axis] = parabola
         return parabola
 
-    def _twist(self, place: Point, axis: int) -> FloatArray:
-        """Return how the slope along an axis changes along that of the ratio of the masses."""
-        if (place, axis) not in self._twists:
-            along, across, corner = list(place), list(place), list(place)
-            along[axis] += 1
-            across[TOP_MASS] += 1
-            corner[axis], corner[TOP_MASS] = along[axis], across[TOP_MASS]
-            beyond, ahead, aside = (self._at(tuple(each)) for each in (corner, along, across))
-            self._twists[place, axis] = beyond - ahead - aside + self._at(place)
-        return self._twists[place, axis]
-
     def _at(self, place: Point) -> FloatArray:
         if place not in self._made:
             if len(self._made) == MOST_POINTS:
                 self._made.clear()
                 self._parabolas.clear()
-                self._twists.clear()
             self._made[place] = self._make(place)
         return self._made[place]
 

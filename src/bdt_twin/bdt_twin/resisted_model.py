@@ -10,7 +10,7 @@ from bdt_plant.plant import PlantModel
 from bdt_plant.resisted_motor import ResistedMotor
 from bdt_plant.screw_load import ScrewLoad
 from bdt_plant.stribeck import FrictionLaw
-from bdt_twin.machine_knowledge import EFFECTS, USUAL_STRIBECK_SPEED, factors_of_model
+from bdt_twin.machine_knowledge import EFFECTS, USUAL_STRIBECK_SPEED
 from bdt_twin.model_factors import FACTORS, plant_step_with
 from bdt_twin.resisted_plant import NO_COGS, Cogs, ResistedPlant
 from bdt_twin.unknowns import SMALLEST_YIELD_ANGLE
@@ -38,7 +38,7 @@ def resisted_plant_with(
     effect = dict(zip(EFFECTS, effects.tolist(), strict=True))
     resistance = float(model.motor.resistance)
     current = effect["friction_voltage"] / resistance
-    plant = plant_step_with(model, factors_of_model(factors, effects), sample_time)
+    plant = plant_step_with(model, factors, sample_time)
     plant = plant._replace(friction=plant.friction._replace(current=current))
     motor = ResistedMotor(
         plant.motor,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, YIELD_ANGLE, factors_of_model
+from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, YIELD_ANGLE
 from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
@@ -48,11 +48,6 @@ class Unknowns:
     def friction(self) -> float:
         """Voltage that the motor's Coulomb friction takes [V]."""
         return float(self.effects[EFFECTS.index("friction_voltage")])
-
-    @property
-    def model_factors(self) -> FloatArray:
-        """Natural logarithms of ``model_factors.MODEL_FACTORS``, shape (4,)."""
-        return factors_of_model(self.factors, self.effects)
 
     def with_yield_angle(self, angle: float) -> "Unknowns":
         """Return them for friction that yields by another angle [rad], with gaps that go with it.

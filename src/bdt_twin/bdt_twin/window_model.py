@@ -20,14 +20,8 @@ from bdt_twin.forward_model import (
 from bdt_twin.friction_change import FrictionChange
 from bdt_twin.gap_samples import GapSamples
 from bdt_twin.innovations import DeviationModel, Motion
-from bdt_twin.machine_knowledge import EFFECTS, TOP_MASS_RATIO
-from bdt_twin.model_factors import (
-    CHANGES,
-    FACTOR_CHANGE,
-    FACTORS,
-    block_model_with,
-    plant_step_with,
-)
+from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.model_factors import FACTORS, block_model_with, plant_step_with
 from bdt_twin.resisted_model import resisted_plant_with, with_cogs
 from bdt_twin.stretch import LEAD, Stretch
 from bdt_twin.structure_responses import structure_responses
@@ -35,6 +29,9 @@ from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_loop import DRIVES
 
 FloatArray = NDArray[np.float64]
+
+FACTOR_CHANGE = 1e-3
+"""Change of a factor's logarithm from which the slope of the position is taken."""
 
 
 class WindowModel:
@@ -170,11 +167,11 @@ class WindowModel:
         knots, effects = self.knots.size, self.knots.size + len(FACTORS)
         first = effects + len(EFFECTS)
         count = first + len(INITIAL_CONDITION)
-        start, step = self._by_blocks(unknowns.model_factors)
-        # In the last columns each factor of the structure is smaller.
-        own, columns = (knots + 1, knots + 2, effects + TOP_MASS_RATIO), count + len(CHANGES)
-        bases, states = np.zeros((run.screw.size, columns)), np.zeros((columns, len(start)))
-        steps = np.tile(step, (columns, 1, 1))
+        start, step = self._by_blocks(unknowns.factors)
+        # In the last two columns the structure is less stiff, and less damped.
+        bases = np.zeros((run.screw.size, count + 2))
+        states, steps = np.zeros((count + 2, len(start))), np.empty((count + 2, *step.shape))
+        steps[:] = step
         self._write_play_bases(bases[:, :knots], number, unknowns, run)
         half = 0.5 * self.gap_at(unknowns.gaps, self.stretches[number].first / self.sampling_rate)
         moved, share = np.abs(run.side), float(unknowns.initial_conditions[number, 0])
@@ -185,17 +182,20 @@ class WindowModel:
         travel = self.travel_per_volt(unknowns) * moved
         bases[:, effects:first] = drive_bases(unknowns.effects, run.drives, turns, travel).T
         state = unknowns.initial_conditions[number, INITIAL_CONDITION.index("q2") :]
-        changes = (*CHANGES, *-CHANGES)
-        for column, change in zip((*own, *range(count, columns)), changes, strict=True):
-            changed_start, steps[column] = self._by_blocks(unknowns.model_factors + change)
+        changed = np.array([knots + 1, knots + 2, count, count + 1])
+        changes = FACTOR_CHANGE * np.array([[0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, -1]])
+        for column, change in zip(changed.tolist(), changes, strict=True):
+            changed_start, steps[column] = self._by_blocks(unknowns.factors + change)
             states[column] = product(changed_start, state)
             bases[:, column] = self.pitch * run.screw
         states[first + INITIAL_CONDITION.index("q2") : count] = start.T
         slopes = structure_responses(steps, bases, states)
-        slopes[:, own] = (slopes[:, own] - slopes[:, count:]) / (2 * FACTOR_CHANGE)
+        ahead, behind = slopes[:, changed[:2]], slopes[:, changed[2:]]
+        slopes[:, changed[:2]] = (ahead - behind) / (2 * FACTOR_CHANGE)
         # The readings' own slope differs from the position's by what delay and drift add.
-        drift = unknowns.effects[EFFECTS.index("drift")]
-        slope = travel_in(run.position, self.sampling_rate) - drift
+        slope = (
+            travel_in(run.position, self.sampling_rate) - unknowns.effects[EFFECTS.index("drift")]
+        )
         slopes[:, effects + EFFECTS.index("delay")] = -block_means(slope, self.block)
         middles = np.arange(run.screw.size) + 0.5 - 0.5 / self.block
         slopes[:, effects + EFFECTS.index("drift")] = middles / self.block_rate
@@ -204,12 +204,12 @@ class WindowModel:
 
     def block_step(self, unknowns: Unknowns) -> FloatArray:
         """Return the structure's model from block to block, shape (4, 6)."""
-        return self._by_blocks(unknowns.model_factors)[1]
+        return self._by_blocks(unknowns.factors)[1]
 
     def sample_step(self, unknowns: Unknowns) -> DiscreteStructure:
         """Return the structure's model from sample to sample."""
-        factors, rate = unknowns.model_factors, self.sampling_rate
-        return plant_step_with(self._model, factors, 1.0 / rate).structure
+        rate = self.sampling_rate
+        return plant_step_with(self._model, unknowns.factors, 1.0 / rate).structure
 
     def screw_turns(self, unknowns: Unknowns, number: int) -> float:
         """Return how often the screw has turned when a stretch begins, from the reading there."""

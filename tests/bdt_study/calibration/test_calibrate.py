@@ -214,31 +214,6 @@ def test_an_inertia_with_which_readings_would_be_early_becomes_smaller(bag, tmp_
     assert written["twin"]["motor.inertia"] == pytest.approx(found["motor.inertia"].value)
 
 
-LADEN = replace(MACHINE, upper_mass=1.25)
-
-
-@pytest.fixture(scope="module")
-def laden(tmp_path_factory, start):
-    return calibration_of(LADEN, tmp_path_factory.mktemp("laden"), start)
-
-
-@pytest.mark.parametrize(
-    ("name", "truth", "tolerance"),
-    [
-        ("structure.top_mass_ratio", 1.25, 0.01),
-        ("structure.stiffness", 1e4, 100.0),
-        ("structure.damping", 36.9, 1.0),
-        ("gap.initial", GAP, math.radians(0.05)),
-    ],
-)
-def test_so_is_one_whose_top_platform_carries_something(laden, name, truth, tolerance):
-    check_found(laden.constants[name], truth, tolerance)
-
-
-def test_masses_that_are_alike_are_left_alike(result):
-    assert "structure.top_mass_ratio" not in result.constants
-
-
 COGGED = replace(MACHINE, cogging=2e-3, cogs=18.0)
 
 

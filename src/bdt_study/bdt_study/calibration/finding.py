@@ -24,7 +24,7 @@ WALK_DOUBT = {
     "voltage_offset": 0.3,
 }
 """Times that voltages are off by the one that moves the motor as far as it walks in a second."""
-STRUCTURE_DOUBT = {"stiffness": 3e-4, "damping": 0.01, "top_mass_ratio": 3e-4}
+STRUCTURE_DOUBT = {"stiffness": 3e-4, "damping": 0.01}
 """Logarithms by which the structure is off where the motor walks in a second by the noise of a
 reading or more: it does so in time with the ringing, too, which then seems to decay sooner."""
 
@@ -32,7 +32,6 @@ LARGEST_UNCERTAINTY = {
     "gain": 0.05,
     "stiffness": 0.05,
     "damping": 0.2,
-    "top_mass_ratio": 0.05,
     "friction_voltage": 0.05,
     "voltage_offset": 0.01,
     "delay": 2.5e-4,
@@ -54,7 +53,6 @@ MOTION_OF = {
     "gain": "motion over some millimeters at constant speed",
     "stiffness": "steps that make the structure ring",
     "damping": "steps, with rests in which the ringing dies away",
-    "top_mass_ratio": "steps that make the structure ring in both of its modes",
     "friction_voltage": "slow motion in both directions, at two speeds",
     "voltage_offset": "slow motion forward and backward at the same speed",
     "delay": "quick reversals, before anything has come to rest",

@@ -93,7 +93,7 @@ class Identification:
     @property
     def found_model(self) -> PlantModel:
         """The mechanism that was found, without friction, which is among the effects."""
-        return model_with(self.model, self.fit.unknowns.model_factors)
+        return model_with(self.model, self.fit.unknowns.factors)
 
     def effect(self, name: str) -> float:
         """Return one of ``EFFECTS``."""
@@ -119,10 +119,8 @@ def identify(model: PlantModel, data: Data) -> Identification:
     moved = start.factors
     for _ in range(MOST_BEGINNINGS):
         # The fit goes on from a model whose factors are ones: its logarithms are bounded.
-        # The ratio of the masses, whose logarithm is never far from zero, stays among the effects.
         # What a motor that answers too late takes for an early reading, no window believes.
-        factors = np.append(start.factors, 0.0)
-        model, start = without_early_reading(model_with(model, factors), start)
+        model, start = without_early_reading(model_with(model, start.factors), start)
         found = _identify_near(model, data, replace(start, factors=np.zeros(len(FACTORS))), -moved)
         start = found.fit.unknowns
         moved = moved + start.factors

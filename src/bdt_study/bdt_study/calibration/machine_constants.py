@@ -1,10 +1,9 @@
 """All constants of a machine from what a fit has found out.
 
 Voltage and position tell ratios only: the motor turns by the voltage less that of the friction,
-over its back EMF, whatever the torques behind it; the structure follows its base by k/m, c/m and
-the ratio of its masses; and a motor that is slow to answer looks like a reading that is late. One
-constant of each ratio keeps its start value, and the others are stated for this value, with its
-doubt.
+over its back EMF, whatever the torques behind it; the structure follows its base by k/m and c/m;
+and a motor that is slow to answer looks like a reading that is late. One constant of each ratio
+keeps its start value, and the others are stated for this value, with its doubt.
 """
 
 import math
@@ -119,11 +118,6 @@ def machine_constants(
         constants |= _friction_at_rest(finding, per_volt, doubt)
     if COGGING_PARTS[0] in found.joined:
         constants |= _cogging(finding, found.window.cogs, per_volt, doubt)
-    if "top_mass_ratio" in found.joined:
-        ratio = values["structure.top_mass_ratio"] * math.exp(value["top_mass_ratio"])
-        constants["structure.top_mass_ratio"] = finding.constant(
-            "top_mass_ratio", ratio, "", ratio * deviation["top_mass_ratio"]
-        )
     return constants | _ratio_constants(start, found, finding, (response, late))
 
 
