@@ -12,6 +12,8 @@ from bdt_twin.answer_check import (
     LESS_EXPLAINED,
     LONG_AFTER,
     MOST_PUSHED,
+    SUDDEN_RISE,
+    SUDDEN_WALK,
     AnswerCheck,
 )
 from bdt_twin.gap_knowledge import SAME_REVERSAL
@@ -73,6 +75,42 @@ def test_where_a_machine_is_hardly_explained_answers_begin_surer_than_they_go_on
     assert doubt(check, uncertainty=goes_on, levels=HARDLY) == ""
     assert "newest" in doubt(check, levels=HARDLY, is_surprised=True)
     assert "unknown by" in doubt(check, uncertainty=goes_on, levels=HARDLY)
+
+
+def walking(ratio):
+    return NoiseLevels(1e-6, slow=ratio * 1e-6)
+
+
+def test_a_sudden_walk_may_hide_a_jump_also_where_the_gap_agrees_with_what_was_known(check):
+    """A walk of 75 times the noise explained a gap as it was before it jumped by 8 deg."""
+    walk, usual = 1.01 * SUDDEN_WALK, 0.99 * SUDDEN_WALK / SUDDEN_RISE
+    assert doubt(check, levels=walking(usual)) == ""
+    for at in (1.0, 1.0, 0.5, 0.99 * LONG_AFTER):
+        assert "sudden walk" in doubt(check, at=at, levels=walking(walk))
+    assert "sudden walk" in doubt(check, at=1.0, levels=walking(1.01 * usual)), "still more"
+    assert doubt(check, at=1.01 * (1.0 + LONG_AFTER), levels=walking(walk)) == "", "wear as well"
+    assert doubt(check, at=5.0, levels=walking(SUDDEN_RISE * walk)) == "", "as usual by now"
+
+
+@pytest.mark.parametrize(
+    ("usual", "walk", "uncertainty"),
+    [
+        (1.0, 0.99 * SUDDEN_WALK, SURE),
+        (1.01 * SUDDEN_WALK / SUDDEN_RISE, SUDDEN_WALK, SURE),
+        (1.0, 2.0 * SUDDEN_WALK, 0.99 * DOUBTFUL),
+    ],
+)
+def test_a_walk_that_is_slight_or_usual_or_leaves_the_gap_sure_hides_none(
+    check, usual, walk, uncertainty
+):
+    assert doubt(check, levels=walking(usual)) == ""
+    assert doubt(check, uncertainty=uncertainty, levels=walking(walk)) == ""
+
+
+def test_a_sudden_walk_that_ends_costs_no_further_answer(check):
+    assert doubt(check, levels=walking(1.0)) == ""
+    assert "sudden walk" in doubt(check, at=1.0, levels=walking(2.0 * SUDDEN_WALK))
+    assert doubt(check, at=2.0, levels=walking(1.0)) == ""
 
 
 @pytest.mark.parametrize("expected", [None, KNOWN])

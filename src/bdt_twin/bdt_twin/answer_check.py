@@ -24,6 +24,10 @@ HARDLY_EXPLAINED = 8.0
 that of a fit which has not yet found the best one."""
 FIRST_SHARE = 0.5
 """Share of the largest uncertainty that such a machine's first answer may have."""
+SUDDEN_WALK = 30.0
+"""Walk of the motor in a second, over the noise of a reading, that may hide that a gap jumped."""
+SUDDEN_RISE = 4.0
+"""Ratio of such a walk to the one before from which on it is no habit of the machine."""
 MOST_PUSHED = 0.025
 """Share of a window in which something may push a platform. Pushes of 50 ms every 7 s take 0.009;
 what takes more, as guides in which the platforms stick, is no push but a model that is wrong."""
@@ -57,6 +61,8 @@ class AnswerCheck:
         self._largest = largest_uncertainty
         self._sure_before = self._stated_before = False
         self._contradiction = self._contradicted_at = 0.0
+        self._usual_walk = math.inf
+        self._walks_since: float | None = None
 
     def unexplained(self) -> None:
         """Take note of a window that no fit explains."""
@@ -99,12 +105,14 @@ class AnswerCheck:
         if not reason and is_surprised:
             reason = "the newest data are not explained yet"
         if not reason:
-            is_compared = uncertainty >= DOUBTFUL or pushed > 0.0
-            is_unsettled = error_ratio > LESS_EXPLAINED and uncertainty >= DOUBTFUL
-            patience = LONG_AFTER if is_unsettled else SAME_REVERSAL
+            is_doubtful = uncertainty >= DOUBTFUL
+            is_compared = is_doubtful or pushed > 0.0
+            patience = LONG_AFTER if is_doubtful and error_ratio > LESS_EXPLAINED else SAME_REVERSAL
             reason = self._contradicting_because(
                 gap, uncertainty, expected if is_compared else None, at, patience
             )
+            if self._walks_suddenly(levels, at) and is_doubtful and not reason:
+                reason = "a sudden walk of the motor may hide that the gap has jumped"
         if not reason and pushed > MOST_PUSHED:
             share = f"{100.0 * pushed:.2g} %"
             reason = f"something holds or pushes the platforms for {share} of the time"
@@ -127,6 +135,19 @@ class AnswerCheck:
             if not self._stated_before and uncertainty > FIRST_SHARE * self._largest:
                 return f"the gap of a machine that is hardly explained remains {unknown}"
         return ""
+
+    def _walks_suddenly(self, levels: NoiseLevels, at: float) -> bool:
+        """Tell whether the motor walks as it did not before, and has not been for long."""
+        walk, since = max(levels.fast, levels.slow), self._walks_since
+        is_large = is_restless(levels, SUDDEN_WALK) and walk > SUDDEN_RISE * self._usual_walk
+        if since is None and is_large:
+            since = at
+        if since is not None and (at > since + LONG_AFTER or walk <= self._usual_walk):
+            since = None
+        if since is None:
+            self._usual_walk = walk
+        self._walks_since = since
+        return since is not None
 
     def _contradicting_because(
         self,
