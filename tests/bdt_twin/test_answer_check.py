@@ -92,6 +92,14 @@ def test_a_sudden_walk_may_hide_a_jump_also_where_the_gap_agrees_with_what_was_k
     assert doubt(check, at=5.0, levels=walking(SUDDEN_RISE * walk)) == "", "as usual by now"
 
 
+def test_a_sudden_walk_does_not_hide_a_jump_that_two_reversals_tell(check):
+    walk, jumped = walking(2.0 * SUDDEN_WALK), 2.0 * KNOWN[0]
+    assert doubt(check, levels=walking(1.0)) == ""
+    assert "contradicts" in doubt(check, jumped, at=1.0, levels=walk)
+    assert "sudden walk" in doubt(check, at=1.5, levels=walk), "is no sign that it has not jumped"
+    assert doubt(check, jumped, at=2.0, levels=walk, uncertainty=0.9 * LARGEST) == ""
+
+
 @pytest.mark.parametrize(
     ("usual", "walk", "uncertainty"),
     [

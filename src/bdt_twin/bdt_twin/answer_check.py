@@ -104,15 +104,18 @@ class AnswerCheck:
         is_rough = bool(reason) and not is_surprised
         if not reason and is_surprised:
             reason = "the newest data are not explained yet"
+        is_sudden = not reason and self._walks_suddenly(levels, at)
         if not reason:
-            is_doubtful = uncertainty >= DOUBTFUL
-            is_compared = is_doubtful or pushed > 0.0
-            patience = LONG_AFTER if is_doubtful and error_ratio > LESS_EXPLAINED else SAME_REVERSAL
-            reason = self._contradicting_because(
-                gap, uncertainty, expected if is_compared else None, at, patience
+            is_compared = uncertainty >= DOUBTFUL or pushed > 0.0
+            is_unsettled = error_ratio > LESS_EXPLAINED and uncertainty >= DOUBTFUL
+            reason = self._disbelieved_because(
+                gap,
+                uncertainty,
+                expected if is_compared else None,
+                at,
+                patience=LONG_AFTER if is_unsettled else SAME_REVERSAL,
+                is_sudden=is_sudden,
             )
-            if self._walks_suddenly(levels, at) and is_doubtful and not reason:
-                reason = "a sudden walk of the motor may hide that the gap has jumped"
         if not reason and pushed > MOST_PUSHED:
             share = f"{100.0 * pushed:.2g} %"
             reason = f"something holds or pushes the platforms for {share} of the time"
@@ -120,7 +123,8 @@ class AnswerCheck:
             is_rough = expected is None
         # A motor that walks a lot, and did not walk before, may be one whose gap has just jumped.
         self._sure_before = uncertainty <= self._largest and is_noticed(levels)
-        self._stated_before = not reason
+        # What such a walk may hide is no first answer.
+        self._stated_before = not reason or is_sudden
         return Doubt(reason, is_rough)
 
     def _unsure_because(self, uncertainty: float, levels: NoiseLevels) -> str:
@@ -149,13 +153,15 @@ class AnswerCheck:
         self._walks_since = since
         return since is not None
 
-    def _contradicting_because(
+    def _disbelieved_because(
         self,
         gap: float,
         uncertainty: float,
         expected: tuple[float, float] | None,
         at: float,
+        *,
         patience: float,
+        is_sudden: bool,
     ) -> str:
         if expected is not None:
             before, its_uncertainty = expected
@@ -165,6 +171,8 @@ class AnswerCheck:
             # Said by two reversals, it is what was known before that was wrong. Windows with the
             # same one may all choose the wrong one of two gaps that explain it.
             is_confirmed = is_repeated and at - self._contradicted_at > patience
+            if abs(off) <= spread and is_sudden:
+                return "a sudden walk of the motor may hide that the gap has jumped"
             if abs(off) > spread and not is_confirmed:
                 if not is_repeated:
                     self._contradiction, self._contradicted_at = off, at
