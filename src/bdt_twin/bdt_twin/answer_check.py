@@ -123,7 +123,7 @@ class AnswerCheck:
             is_rough = expected is None
         # A motor that walks a lot, and did not walk before, may be one whose gap has just jumped.
         self._sure_before = uncertainty <= self._largest and is_noticed(levels)
-        # What such a walk may hide is no first answer.
+        # An answer that waits because of such a walk leaves no silence.
         self._stated_before = not reason or is_sudden
         return Doubt(reason, is_rough)
 
@@ -163,6 +163,7 @@ class AnswerCheck:
         patience: float,
         is_sudden: bool,
     ) -> str:
+        """Return why a gap is not believed after what was known before, if it is not."""
         if expected is not None:
             before, its_uncertainty = expected
             off = gap - before
