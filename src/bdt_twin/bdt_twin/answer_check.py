@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from bdt_twin.gap_knowledge import SAME_REVERSAL
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.noise_levels import is_noticed, is_restless
+from bdt_twin.noise_levels import is_noticed, is_restless, motor_walk
 
 DOUBTFUL = math.radians(0.1)
 """Standard uncertainty above which a gap is compared with what was known before [rad]."""
@@ -17,8 +17,8 @@ LESS_EXPLAINED = 1.06
 """Prediction error over that of the last answer from which on a window is explained less well: a
 fit that is still on its way to a gap that has jumped."""
 LONG_AFTER = 3.0
-"""Time between reversals after which also a window that is explained less well confirms a gap [s]:
-noise may grow, too."""
+"""Time between reversals after which a gap is confirmed [s] also by a window that is explained less
+well, or whose motor walks as it did not before: noise may grow, too."""
 HARDLY_EXPLAINED = 8.0
 """Walk of the motor in a second, over the noise of a reading, from which on a first answer may be
 that of a fit which has not yet found the best one."""
@@ -142,7 +142,7 @@ class AnswerCheck:
 
     def _walks_suddenly(self, levels: NoiseLevels, at: float) -> bool:
         """Tell whether the motor walks as it did not before, and has not been for long."""
-        walk, since = max(levels.fast, levels.slow), self._walks_since
+        walk, since = motor_walk(levels), self._walks_since
         is_large = is_restless(levels, SUDDEN_WALK) and walk > SUDDEN_RISE * self._usual_walk
         if since is None and is_large:
             since = at

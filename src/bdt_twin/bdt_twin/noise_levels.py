@@ -108,6 +108,17 @@ def fitted_levels(
     return FittedLevels(levels, float_exponential(best))
 
 
+def motor_walk(levels: NoiseLevels) -> float:
+    """Return the random walk of the screw's position where the motor walks most [m/s^0.5].
+
+    Parameters
+    ----------
+    levels : NoiseLevels
+        Levels of noise.
+    """
+    return max(levels.fast, levels.slow)
+
+
 def is_restless(levels: NoiseLevels, ratio: float = RESTLESS) -> bool:
     """Tell whether the motor walks so much that something may be left to be explained.
 
@@ -118,7 +129,7 @@ def is_restless(levels: NoiseLevels, ratio: float = RESTLESS) -> bool:
     ratio : float
         Walk of the motor in a second, over the noise of a reading, that is not much.
     """
-    return max(levels.fast, levels.slow) > ratio * levels.reading
+    return motor_walk(levels) > ratio * levels.reading
 
 
 def is_slight(levels: NoiseLevels) -> bool:
@@ -141,7 +152,7 @@ def is_walking(levels: NoiseLevels, motion: float) -> bool:
     motion : float
         Standard deviation of the position [m].
     """
-    return is_restless(levels) and max(levels.fast, levels.slow) > EXPLAINED * motion
+    return is_restless(levels) and motor_walk(levels) > EXPLAINED * motion
 
 
 def quiet(levels: NoiseLevels) -> NoiseLevels:
