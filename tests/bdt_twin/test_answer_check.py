@@ -8,7 +8,6 @@ from bdt_twin.answer_check import (
     CONTRADICTION,
     DOUBTFUL,
     FIRST_SHARE,
-    HARDLY_EXPLAINED,
     LESS_EXPLAINED,
     LONG_AFTER,
     MOST_PUSHED,
@@ -18,7 +17,7 @@ from bdt_twin.answer_check import (
 )
 from bdt_twin.gap_knowledge import SAME_REVERSAL
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.noise_levels import NOTHING
+from bdt_twin.noise_levels import HARDLY_EXPLAINED, NOTHING
 
 LARGEST = math.radians(1.0)
 SURE, UNSURE = 0.5 * LARGEST, 1.1 * LARGEST

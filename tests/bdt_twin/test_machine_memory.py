@@ -11,12 +11,14 @@ from bdt_twin.machine_knowledge import (
     COGGING,
     EFFECT_SPREAD,
     EFFECTS,
+    VOLTAGE_LAG,
     YIELD_ANGLE,
     MachineKnowledge,
 )
 from bdt_twin.machine_memory import (
     COGGING_EVIDENCE,
     EVIDENCE,
+    LAG_AGAIN,
     OTHER_EVIDENCE,
     PLAUSIBLE,
     SEARCH_AGAIN,
@@ -25,8 +27,10 @@ from bdt_twin.machine_memory import (
     MachineMemory,
 )
 from bdt_twin.model_factors import FACTORS
+from bdt_twin.unknowns import LATE
 
 FRICTION, OFFSET = (len(FACTORS) + EFFECTS.index(name) for name in EFFECTS[:2])
+DELAY, LAG = len(FACTORS) + EFFECTS.index("delay"), len(FACTORS) + VOLTAGE_LAG
 COUNT = len(FACTORS) + len(EFFECTS)
 
 
@@ -168,6 +172,35 @@ def test_a_machine_with_other_friction_has_the_effects_that_are_found_later():
     assert other.present == memory.present | {YIELD_ANGLE}
     memory.be_like(other)
     assert YIELD_ANGLE not in memory.present
+
+
+def told_late(delay=2.0 * LATE):
+    machine = told()
+    machine.expected[DELAY] = delay
+    return machine
+
+
+def test_a_late_voltage_is_looked_for_where_a_reading_is_late_and_the_motor_walks():
+    memory = MachineMemory(MotorParameters())
+    assert not memory.looks_for_lag(AT_REST, told_late())
+    assert not memory.looks_for_lag(RESTLESS, told_late(0.9 * LATE))
+    looks = [memory.looks_for_lag(RESTLESS, told_late()) for _ in range(8 * LAG_AGAIN)]
+    assert np.flatnonzero(looks).tolist() == [0, LAG_AGAIN, 3 * LAG_AGAIN, 7 * LAG_AGAIN]
+
+
+def test_what_was_told_of_late_readings_is_forgotten_where_the_voltage_is():
+    memory = MachineMemory(MotorParameters())
+    memory.has_evidence(evidence_of("delay", 9.0), told())
+    memory.learn(1.0, told_late())
+    tried = memory.with_lag(1e-3)
+    assert memory.before(2.0, 3.0).expected[DELAY] == 2.0 * LATE
+    memory.has_lag(1e-3)
+    for known in (tried, memory.before(2.0, 3.0)):
+        assert known.expected[DELAY] == 0.0
+        assert known.expected[LAG] == 1e-3
+        for place in (DELAY, LAG):
+            assert spread_of(known, place) == pytest.approx(EFFECT_SPREAD[place - len(FACTORS)])
+    assert not memory.looks_for_lag(RESTLESS, told_late())
 
 
 def test_cogging_is_looked_for_where_the_motor_walks_now_and_then():

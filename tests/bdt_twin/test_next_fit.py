@@ -12,7 +12,7 @@ from bdt_plant.plant import PlantModel
 from bdt_twin import next_fit as module
 from bdt_twin.cogging_search import CoggingEvidence
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import COGGING
+from bdt_twin.machine_knowledge import COGGING, EFFECTS, VOLTAGE_LAG
 from bdt_twin.machine_memory import SEARCH_AGAIN, MachineMemory
 from bdt_twin.next_fit import MOST_NEWCOMERS, next_fit
 from bdt_twin.stretch import Stretch
@@ -81,6 +81,21 @@ def followed(cogged, memory, windows):
         window = cogged.with_cogs(memory.cogs)
         last = Predecessor(*next_fit(window, last, memory, math.radians(0.02)), 0.0)
     return last
+
+
+@pytest.mark.parametrize(("lag", "delay"), [(1.5e-3, 0.0), (1e-3, 4e-4), (0.0, 1.2e-3)])
+def test_a_voltage_that_is_late_is_told_from_a_reading_that_is(lag, delay):
+    machine = UnknownMachine(coulomb_friction=8e-3, amplifier_lag=lag, delay=delay)
+    rows, _ = record(machine, Run(duration=8.0, sampling_rate=5000.0, step_time=2.0))
+    stretch = Stretch(0, *np.ascontiguousarray(rows[:, 1:].T))
+    window = WindowModel(PlantModel(), [stretch], np.arange(9.0), 5000.0, 25)
+    memory, last = MachineMemory(MotorParameters()), None
+    for _ in range(10):
+        last = Predecessor(*next_fit(window, last, memory, math.radians(0.02)), 0.0)
+    told = dict(zip(EFFECTS, last.fit.unknowns.effects.tolist(), strict=True))
+    assert (VOLTAGE_LAG in memory.present) == (lag > 0.0)
+    assert told["voltage_lag"] == pytest.approx(lag, abs=1e-4)
+    assert told["delay"] == pytest.approx(delay, abs=1e-4)
 
 
 @pytest.mark.parametrize("wrong", [12, 23])

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from bdt_plant.plant import PlantModel
 from bdt_plant.structure import StructureParameters
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
-from bdt_twin.machine_memory import MachineRecollection
+from bdt_twin.machine_recollection import MachineRecollection
 from bdt_twin.state_file import FUTURE, StateFileError, read_state, write_state
 from bdt_twin.twin_state import CONSTANTS, RememberedGap, TwinState, mechanism_of
 

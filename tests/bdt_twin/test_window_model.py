@@ -10,6 +10,7 @@ from bdt_twin.stretch import Stretch
 from bdt_twin.unknowns import (
     GAP_PER_ANGLE,
     INITIAL_CONDITION,
+    SMALLEST_LAG,
     SMALLEST_YIELD_ANGLE,
     Unknowns,
 )
@@ -43,6 +44,7 @@ RESISTED = EFFECTS_ALONE | {
 }
 YIELDS = EFFECTS_ALONE | {"yield_angle": 6e-3}
 YIELDS_AND_MORE = RESISTED | {"yield_angle": 6e-3}
+LAGS = RESISTED | {"voltage_lag": 1.5e-3}
 
 
 def unknowns_of(window, effects=RESISTED):
@@ -100,10 +102,45 @@ def test_a_gap_is_larger_for_friction_that_yields_later(closed_loop):
     assert back.as_vector() == pytest.approx(unknowns.as_vector())
 
 
+def test_a_reading_that_was_late_is_not_where_the_voltage_is(closed_loop):
+    window = window_of(closed_loop(), (0, 5000))
+    unknowns = unknowns_of(window)
+    other = unknowns.with_late_voltage()
+    assert other.effects[EFFECTS.index("voltage_lag")] == RESISTED["delay"]
+    assert other.effects[EFFECTS.index("delay")] == 0.0
+    assert unknowns.effects[EFFECTS.index("delay")] == RESISTED["delay"]
+
+
+def test_a_voltage_that_is_late_stays_one_that_may_be_and_a_prompt_one_prompt(closed_loop):
+    window = window_of(closed_loop(), (0, 5000))
+    for effects, least in ((LAGS, SMALLEST_LAG), (RESISTED, 0.0)):
+        unknowns = unknowns_of(window, effects)
+        far = unknowns.from_vector(unknowns.as_vector() - 1.0)
+        assert far.effects[EFFECTS.index("voltage_lag")] == least
+
+
+def test_an_amplifier_that_lags_moves_the_motor_as_far_later(closed_loop):
+    window = window_of(closed_loop(), (0, 5000))
+    lag = LAGS["voltage_lag"]
+    prompt, lagging = (
+        window.simulate(unknowns_of(window, effects))[0].motor_angle for effects in (RESISTED, LAGS)
+    )
+    times = np.arange(prompt.size) / RATE
+    late = np.interp(times - lag, times, prompt)
+    away = np.abs(lagging - prompt).max()
+    assert 0.0 < np.abs(lagging - late).max() < 0.5 * away
+
+
 @pytest.mark.parametrize("cuts", [[(0, 12000)], [(1000, 6000), (7000, 12000)]])
 @pytest.mark.parametrize(
     ("effects", "share"),
-    [(EFFECTS_ALONE, 0.08), (RESISTED, 0.13), (YIELDS, 0.13), (YIELDS_AND_MORE, 0.13)],
+    [
+        (EFFECTS_ALONE, 0.08),
+        (RESISTED, 0.13),
+        (YIELDS, 0.13),
+        (YIELDS_AND_MORE, 0.13),
+        (LAGS, 0.13),
+    ],
 )
 def test_the_jacobian_is_that_of_the_simulation(closed_loop, cuts, effects, share):
     window = window_of(closed_loop(), *cuts)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from machine_with_twin import HOLD, SAMPLING_RATE
+from scipy.signal import lsim
 from unknown_machine import PITCH, RunningMachine, UnknownMachine
 
 from bdt_plant.actuator import ActuatorParameters
@@ -80,9 +81,9 @@ EFFECTS = {
 """What each effect is for the independent machine, for the mechanism and for what is around it."""
 
 
-def readings(machine, voltages):
+def readings(machine, voltages, gap=GAP):
     """Return what the independent machine reads when it is given some voltages [m]."""
-    running = RunningMachine(machine, np.full(len(voltages), GAP), SAMPLING_RATE, seed=0)
+    running = RunningMachine(machine, np.full(len(voltages), gap), SAMPLING_RATE, seed=0)
     for voltage in voltages[::HOLD]:
         running.hold(float(voltage), HOLD)
     return running.telemetry()[:, 2]
@@ -118,6 +119,18 @@ def test_friction_that_fades_lets_the_motor_turn_faster():
     gained = speed_of_screw(QUIET, 1.0) - speed_of_screw(lasting, 1.0)
     ahead = last_reading(fading, 1.0, 8.0) - last_reading(lasting, 1.0, 8.0)
     assert ahead == pytest.approx(gained * 0.05 * 8.0**2 / 2.0, rel=0.01)
+
+
+def test_an_amplifier_that_lags_filters_what_a_machine_without_a_gap_does():
+    lag, voltages = 2e-3, np.repeat([5.0, -3.0, 0.0], round(0.5 * SAMPLING_RATE))
+    prompt, lagging = (
+        readings(machine, voltages, gap=0.0)
+        for machine in (QUIET, replace(QUIET, amplifier_lag=lag))
+    )
+    times = np.arange(voltages.size) / SAMPLING_RATE
+    _, filtered, _ = lsim(([1.0], [lag, 1.0]), prompt, times)
+    assert lagging == pytest.approx(filtered, abs=LIKENESS)
+    assert np.abs(lagging - prompt).max() > 100.0 * LIKENESS
 
 
 def test_friction_grows_along_the_screw():

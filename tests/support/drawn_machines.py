@@ -155,6 +155,14 @@ def yielding(
     return replace(machine, presliding=angle, bristle_damping=float(generator.uniform(0.0, 0.3)))
 
 
+def lagging(
+    kind: Callable[[np.random.Generator], UnknownMachine], generator: np.random.Generator
+) -> UnknownMachine:
+    """Return a machine whose amplifier follows its command with 0.3 to 3 ms."""
+    lag = float(np.exp(generator.uniform(math.log(3e-4), math.log(3e-3))))
+    return replace(kind(generator), amplifier_lag=lag)
+
+
 def slight(**constants: float) -> Kind:
     """Return the kind of machines with slight friction and some constants."""
     return Kind(partial(slight_friction, **constants), decision="equation_9")
@@ -185,6 +193,12 @@ KINDS = {
     "upper beams 20 % softer": slight(upper_stiffness=0.8),
     "guides with 0.1 N": slight(guide_friction=0.1),
     "twice the inertia": slight(inertia=10e-6),
+    "12 times the inductance": slight(inductance=12e-3),
+    "amplifier lags by 0.5 ms": slight(amplifier_lag=5e-4),
+    "amplifier lags by 1 ms": slight(amplifier_lag=1e-3),
+    "amplifier lags by 2 ms": slight(amplifier_lag=2e-3),
+    "everyday, amplifier lags": Kind(partial(lagging, everyday)),
+    "unknown, amplifier lags": Kind(partial(lagging, unknown)),
 }
 """What is drawn."""
 

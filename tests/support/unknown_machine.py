@@ -81,6 +81,8 @@ class UnknownMachine:
     amplifier_gain: float = 1.0
     amplifier_offset: float = 0.0
     amplifier_bits: int = 0
+    amplifier_lag: float = 0.0
+    """Time constant with which the voltage follows its command."""
     noise: float = 1e-6
     quantum: float = 1e-7
     delay: float = 0.0
@@ -120,7 +122,7 @@ CONSTANTS = (
     *("friction_asymmetry", "cogging", "cogs", "mass", "stiffness", "damping"),
     *("cubic_stiffness", "efficiency", "pushes_middle", "friction_along", "friction_fade"),
     *("thread_error", "guide_friction", "presliding", "bristle_damping"),
-    *("upper_mass", "upper_stiffness"),
+    *("upper_mass", "upper_stiffness", "amplifier_lag"),
 )
 """What the loop takes, in its order."""
 
@@ -152,7 +154,7 @@ class RunningMachine:
         self._late = round(machine.delay / STEP_TIME)
         # Positions of the platform at every step: a delay is no whole number of samples.
         self._positions = np.zeros(count * self._inner + 1)
-        self._state = np.zeros(11)
+        self._state = np.zeros(12)
         self._constants = np.array([float(getattr(machine, name)) for name in CONSTANTS])
         self._voltages = np.empty(count)
         self._sample = 0
@@ -219,7 +221,7 @@ def _compiled_advance() -> Any:
 def _advance(  # noqa: PLR0915 - one loop, compiled as a whole
     state: FloatArray,
     constants: FloatArray,
-    voltage: float,
+    commanded: float,
     gaps: FloatArray,
     pushes: FloatArray,
     positions: FloatArray,
@@ -231,7 +233,8 @@ def _advance(  # noqa: PLR0915 - one loop, compiled as a whole
     along_screw, fade, thread_error, guide_friction, presliding, bristle_damping = constants[18:24]
     upper_mass, upper_stiffness = mass * constants[24], stiffness * constants[25]
     beyond = max(at_rest - coulomb, 0.0)
-    q2, v2, q3, v3, base_speed, time, bend = state[4:11]
+    q2, v2, q3, v3, base_speed, time, bend, voltage = state[4:12]
+    followed = 1.0 - np.exp(-STEP_TIME / constants[26]) if constants[26] > 0.0 else 1.0
     inner = positions.size // gaps.size
     against = PITCH / efficiency if efficiency > 0.0 else 0.0
     # A screw that the load drives: below a half it is self-locking.
@@ -240,6 +243,7 @@ def _advance(  # noqa: PLR0915 - one loop, compiled as a whole
     base = PITCH * screw + thread_error * np.sin(screw)
     for step in range(positions.size):
         half, push = 0.5 * gaps[step // inner], pushes[step // inner]
+        voltage += followed * (commanded - voltage)
         current += STEP_TIME / inductance * (voltage - back_emf * speed)
         current /= 1.0 + STEP_TIME * resistance / inductance
         torque = per_ampere * current - viscous * speed - cogging * np.sin(cogs * motor)
@@ -285,3 +289,4 @@ def _advance(  # noqa: PLR0915 - one loop, compiled as a whole
         positions[step] = q3
     state[0], state[1], state[2], state[3], state[4] = current, speed, motor, screw, q2
     state[5], state[6], state[7], state[8], state[9], state[10] = v2, q3, v3, base_speed, time, bend
+    state[11] = voltage

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from bdt_twin.gap_knowledge import SAME_REVERSAL
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.noise_levels import is_noticed, is_restless, motor_walk
+from bdt_twin.noise_levels import HARDLY_EXPLAINED, is_noticed, is_restless, motor_walk
 
 DOUBTFUL = math.radians(0.1)
 """Standard uncertainty above which a gap is compared with what was known before [rad]."""
@@ -19,9 +19,6 @@ fit that is still on its way to a gap that has jumped."""
 LONG_AFTER = 3.0
 """Time between reversals after which a gap is confirmed [s] also by a window that is explained less
 well, or whose motor walks as it did not before: noise may grow, too."""
-HARDLY_EXPLAINED = 8.0
-"""Walk of the motor in a second, over the noise of a reading, from which on a first answer may be
-that of a fit which has not yet found the best one."""
 FIRST_SHARE = 0.5
 """Share of the largest uncertainty that such a machine's first answer may have."""
 SUDDEN_WALK = 30.0

@@ -47,6 +47,7 @@ def drive_bases(
         "friction_growth": -effect["friction_voltage"] * of["growth"],
         "friction_slope": -effect["friction_voltage"] * of["slope"],
         "yield_angle": -effect["friction_voltage"] * of["yielding"],
+        "voltage_lag": of["lag"],
     }
     bases = np.zeros((len(EFFECTS), travel.size))
     for name, turned in acts.items():

@@ -6,7 +6,7 @@ from bdt_msgs_py.reading import nanoseconds_from_seconds
 from bdt_twin.decision import Decision, decision_values
 from bdt_twin.estimation_thread import Outcome
 from bdt_twin.estimator import Estimate, estimate_values
-from bdt_twin.machine_memory import MachineRecollection
+from bdt_twin.machine_recollection import MachineRecollection
 
 
 class EstimationRecord:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bdt_twin.decider import Decider, no_decider
 from bdt_twin.decision import Decision
 from bdt_twin.estimator import Estimate, Estimator, TelemetryRejectedError
-from bdt_twin.machine_memory import MachineRecollection
+from bdt_twin.machine_recollection import MachineRecollection
 from bdt_twin.user_estimator import UserEstimatorError
 
 LARGEST_BACKLOG = 5.0

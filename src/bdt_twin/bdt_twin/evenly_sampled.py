@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from bdt_twin.estimator import Estimate, Estimator
 from bdt_twin.even_samples import EvenSamples, Sampling
-from bdt_twin.machine_memory import MachineRecollection
+from bdt_twin.machine_recollection import MachineRecollection
 from bdt_twin.next_fit import AcceptedFit, last_fit_of
 
 

@@ -15,6 +15,7 @@ from bdt_plant.friction import frictional_motor_step
 from bdt_plant.motor import MotorState, motor_step
 from bdt_plant.plant import DiscretePlant, PlantState
 from bdt_plant.structure import StructureState
+from bdt_twin.applied_voltage import PROMPT
 from bdt_twin.friction_change import UNCHANGED, FrictionChange
 from bdt_twin.resisted_plant import ResistedPlant
 from bdt_twin.window_loop import DRIVES, compiled_window
@@ -64,9 +65,9 @@ class StretchResponse(NamedTuple):
         a voltage [s] against the motion and one forward, a relative change of the gain beyond the
         motor's own angle [rad], an excess of friction at rest as a voltage [s], a relative change
         of the Stribeck speed per that excess [s], a load as a voltage per force [N s], the parts
-        of cogging [s], friction that changes with time [s^2] and along the screw [m s], and its
-        yield angle per friction [s/rad] turn the motor, per what a motor turns in a second
-        for a volt.
+        of cogging [s], friction that changes with time [s^2] and along the screw [m s], its
+        yield angle per friction [s/rad], and the time constant of the amplifier [V] turn the
+        motor, per what a motor turns in a second for a volt.
     fast, slow : ndarray, shape (blocks,)
         Time in each block for which the motor turns fast, and slowly or nearly so [s].
     contact : ndarray, shape (blocks,)
@@ -128,6 +129,7 @@ def simulate_stretch(
     sample_time: float,
     motion: SlowMotion,
     change: FrictionChange = UNCHANGED,
+    per_lag: FloatArray = PROMPT,
 ) -> StretchResponse:
     """Simulate the plant over one stretch of data (eqs 1, 2, 3 and 6).
 
@@ -149,6 +151,9 @@ def simulate_stretch(
         When the motor turns slowly.
     change : FrictionChange, optional
         How friction changes in the stretch.
+    per_lag : ndarray, shape (n,), optional
+        By how much the voltage changes with the time constant of the amplifier [V/s]; empty if
+        that is not asked for.
     """
     count = voltage.size // block
     position, relative_angle, motor_angle = np.empty((3, voltage.size))
@@ -173,6 +178,7 @@ def simulate_stretch(
         blocks,
         reversals,
         bends,
+        per_lag,
     )
     screw, side, motor, sample, fast, slow, contact = blocks[:7]
     order = range(max(found - MOST_REVERSALS, 0), found)

@@ -43,6 +43,10 @@ def compiled_innovations() -> Any:
     )
 
 
+COMPILED = (compiled_gains, compiled_innovations)
+"""What to call before the first data wait."""
+
+
 def _filter_gains(  # noqa: PLR0912 - a compiled loop calls no function
     step: FloatArray,
     begins: FloatArray,

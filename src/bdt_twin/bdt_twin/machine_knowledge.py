@@ -32,6 +32,7 @@ EFFECTS = (
     *COGGING_PARTS,
     *FRICTION_CHANGES,
     "yield_angle",
+    "voltage_lag",
 )
 """What a machine has that the paper's mechanism has not: Coulomb friction as the voltage that it
 takes [V], the voltage that the amplifier adds [V], the age of a reading [s], the drift of the
@@ -40,7 +41,8 @@ Stribeck speed over ``USUAL_STRIBECK_SPEED``, the voltage that the motor takes f
 which the structure resists the screw [V/N], the parts of the motor's cogging as voltages against
 forward motion, waves of its angle [V], and by which shares of it Coulomb friction changes with time
 [1/s] and along the screw [1/m]; it is that at the newest sample of a window, at position zero. Last
-comes the angle by which it yields before it slides [rad]."""
+come the angle by which it yields before it slides [rad], and the time constant with which the
+amplifier follows its command [s]."""
 
 COGGING = frozenset(map(EFFECTS.index, COGGING_PARTS))
 """Places in ``EFFECTS`` of the parts of cogging."""
@@ -48,20 +50,23 @@ COGGING = frozenset(map(EFFECTS.index, COGGING_PARTS))
 YIELD_ANGLE = EFFECTS.index("yield_angle")
 """Place in ``EFFECTS`` of the angle by which friction yields."""
 
+VOLTAGE_LAG = EFFECTS.index("voltage_lag")
+"""Place in ``EFFECTS`` of the time constant with which the amplifier follows its command."""
+
 USUAL_STRIBECK_SPEED = 2.0
 """Stribeck speed of a motor that nobody has looked at [rad/s]."""
 
 EFFECT_LIMITS = np.array(
     [
-        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0, -0.1, -200.0, 0.0],
-        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0, 0.1, 200.0, 0.1],
+        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0, -0.1, -200.0, 0.0, 0.0],
+        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0, 0.1, 200.0, 0.1, 0.02],
     ]
 )
 """Smallest and largest values of ``EFFECTS``."""
 
 FACTOR_SPREAD = (0.3, 0.2, 0.7)
 """Standard deviations of the logarithms of ``FACTORS`` of a machine that nobody has looked at."""
-EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03, 5e-3, 20.0, 0.02)
+EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03, 5e-3, 20.0, 0.02, 2e-3)
 """Standard deviations of its ``EFFECTS``."""
 
 FACTOR_CHANGE_RATE = (5e-4, 5e-4, 5e-3)
@@ -79,6 +84,7 @@ EFFECT_CHANGE_RATE = (
     2e-4,
     0.2,
     1e-4,
+    5e-6,
 )
 """Random walk of ``EFFECTS``, in their units per s^0.5."""
 ABSENT = 1e-6

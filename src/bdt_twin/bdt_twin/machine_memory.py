@@ -9,18 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.motor import MotorParameters
+from bdt_twin.amplifier_offset import VoltageOffset, told_offset
 from bdt_twin.cogging_search import CoggingEvidence
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import (
     COGGING,
     EFFECTS,
     FRICTION_CHANGES,
+    VOLTAGE_LAG,
     YIELD_ANGLE,
     MachineKnowledge,
     first_knowledge,
 )
+from bdt_twin.machine_recollection import MachineRecollection
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import is_restless
+from bdt_twin.unknowns import LATE
 
 FloatArray = NDArray[np.float64]
 
@@ -41,40 +45,10 @@ OTHER_EVIDENCE = 4.0
 """Gain of log-likelihood by another number of periods than the known one for which it is tried."""
 SEARCH_EVERY, SEARCH_AGAIN = 2, 6
 """Windows from one search for cogging to the next, and from one that has found nothing better."""
+LAG_AGAIN = 3
+"""Windows from the first trial of a voltage that is late to the second; then twice as many."""
 PLAUSIBLE = 4.0
 """Standard deviations of what is known of any machine within which one is."""
-SMALLEST_OFFSET = 1e-3
-"""Voltage [V] up to which an amplifier's offset is none."""
-OFFSET_COVERAGE = 5.0
-"""Standard uncertainties by which an offset differs from none before it is one."""
-
-
-class VoltageOffset(NamedTuple):
-    """Voltage that the amplifier adds, and its standard uncertainty [V]."""
-
-    voltage: float
-    uncertainty: float
-
-
-class MachineRecollection(NamedTuple):
-    """What is kept of a machine beyond the end of the twin.
-
-    Attributes
-    ----------
-    machine : MachineKnowledge
-        What the newest window has told.
-    present : frozenset of str
-        Names of the ``EFFECTS`` that the machine has.
-    cogs : int
-        Periods of the motor's cogging in a turn; 0 for none.
-    has_offset : bool
-        Whether the amplifier's offset is told from none.
-    """
-
-    machine: MachineKnowledge
-    present: frozenset[str]
-    cogs: int
-    has_offset: bool
 
 
 class _Told(NamedTuple):
@@ -108,7 +82,7 @@ class MachineMemory:
         self._known: _Told | None = None
         self._present = set[int]()
         self.cogs, self._unsearched = 0, SEARCH_EVERY
-        self._has_offset = False
+        self._has_offset, self._trial_pause, self._until_trial = False, LAG_AGAIN, 1
         self._recalled: tuple[MachineKnowledge, float] | None = None
         if motor.coulomb_friction > 0.0:
             self._present.add(EFFECTS.index("friction_voltage"))
@@ -250,6 +224,35 @@ class MachineMemory:
         found = float(machine.expected[place])
         return friction in self._present and found > max(surely, least)
 
+    def looks_for_lag(self, levels: NoiseLevels, machine: MachineKnowledge) -> bool:
+        """Tell whether it is time to try if the voltage is late, and not the reading.
+
+        A window with such levels of noise has told so much of the machine.
+        """
+        delay = float(machine.expected[len(FACTORS) + EFFECTS.index("delay")])
+        if VOLTAGE_LAG in self._present or delay < LATE or not is_restless(levels):
+            return False
+        self._until_trial -= 1
+        if self._until_trial > 0:
+            return False
+        self._until_trial, self._trial_pause = self._trial_pause, 2 * self._trial_pause
+        return True
+
+    def with_lag(self, lag: float) -> MachineKnowledge:
+        """Return what is known of a machine like this whose voltage may be late by a time [s].
+
+        What windows have told is wrong if they thought that its reading was.
+        """
+        known = first_knowledge(self._motor)
+        known.expected[len(FACTORS) + VOLTAGE_LAG] = lag
+        return known.without(set(range(len(EFFECTS))) - self._present - {VOLTAGE_LAG})
+
+    def has_lag(self, lag: float) -> None:
+        """Take a lag of the voltage [s] for present, and forget what windows have told without."""
+        self._told.clear()
+        self._known, self._recalled = None, (self.with_lag(lag), 0.0)
+        self._present.add(VOLTAGE_LAG)
+
     def looks_for_cogging(self, levels: NoiseLevels) -> bool:
         """Tell whether it is time to look for cogging in a window with these levels of noise."""
         if not is_restless(levels):
@@ -291,9 +294,6 @@ class MachineMemory:
         machine : MachineKnowledge
             What the newest window has told.
         """
-        place = len(FACTORS) + EFFECTS.index("voltage_offset")
-        voltage = float(machine.expected[place])
-        uncertainty = math.sqrt(float(machine.covariance[place, place]))
-        surely = max(OFFSET_COVERAGE * uncertainty, SMALLEST_OFFSET)
-        self._has_offset = self._has_offset or abs(voltage) > surely
-        return VoltageOffset(voltage, uncertainty) if self._has_offset else None
+        offset = told_offset(machine)
+        self._has_offset = self._has_offset or offset.is_one
+        return offset if self._has_offset else None

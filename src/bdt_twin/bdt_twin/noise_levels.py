@@ -21,6 +21,9 @@ LEVEL_FACTOR = 3.0
 """Factor by which a level is changed in search of the most likely one."""
 RESTLESS = 2.0
 """Walk of the motor in a second, over the noise of a reading, that a model may yet explain."""
+HARDLY_EXPLAINED = 8.0
+"""Walk of the motor in a second, over the noise of a reading, from which on a fit may not have
+found the best one yet."""
 QUIETER = 12.0
 """Factor by which the motor is thought to walk less once it is explained."""
 NOTHING = 0.02

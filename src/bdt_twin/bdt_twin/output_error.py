@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bdt_plant.elementary_functions import float_exponential
 from bdt_plant.plant import PlantModel
 from bdt_plant.quick_exponential import compiled_powers
-from bdt_twin import fixed_order, robust_sums
+from bdt_twin import applied_voltage, fixed_order, innovation_filter, robust_sums
 from bdt_twin.alternative_friction import AlternativeFriction
 from bdt_twin.answer_check import AnswerCheck
 from bdt_twin.cogging_trials import CoggingTrials
@@ -25,8 +25,8 @@ from bdt_twin.gap_doubt import doubted
 from bdt_twin.gap_knowledge import GapKnowledge
 from bdt_twin.gap_of_fit import answered_reversals, gap_at, growth_at, growth_change_of
 from bdt_twin.growth_knowledge import GrowthKnowledge
-from bdt_twin.innovation_filter import compiled_gains, compiled_innovations
-from bdt_twin.machine_memory import MachineMemory, MachineRecollection
+from bdt_twin.machine_memory import MachineMemory
+from bdt_twin.machine_recollection import MachineRecollection
 from bdt_twin.model_factors import FACTORS, check_room
 from bdt_twin.next_fit import AcceptedFit, next_fit
 from bdt_twin.noise_levels import is_walking
@@ -45,11 +45,11 @@ FloatArray = NDArray[np.float64]
 LOOPS = (
     compiled_window,
     compiled_responses,
-    compiled_gains,
-    compiled_innovations,
     compiled_waves,
     compiled_powers,
+    *applied_voltage.COMPILED,
     *fixed_order.COMPILED,
+    *innovation_filter.COMPILED,
     *robust_sums.COMPILED,
 )
 """What to call before the first data wait."""

@@ -10,7 +10,7 @@ import numpy as np
 from bdt_plant.plant import PlantModel
 from bdt_twin.estimator import Estimate
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
-from bdt_twin.machine_memory import MachineRecollection
+from bdt_twin.machine_recollection import MachineRecollection
 from bdt_twin.model_factors import FACTORS
 
 CONSTANTS = len(FACTORS) + len(EFFECTS)

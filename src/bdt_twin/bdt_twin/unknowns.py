@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, YIELD_ANGLE
+from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, VOLTAGE_LAG, YIELD_ANGLE
 from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
@@ -17,6 +17,13 @@ MOST_EXCESS = 1.0
 
 SMALLEST_YIELD_ANGLE = 3e-4
 """Yield angle below which friction is rigid [rad]."""
+SMALLEST_LAG = 1e-6
+"""Time constant below which a voltage follows its command at once [s]."""
+LATE = 6e-4
+"""Age of a reading from which on it matters whether the voltage is late instead, and time from
+which on that is late [s]: one of 0.5 ms shifts a gap by some hundredths of a degree."""
+EARLY_SHARE = 0.15
+"""Share of a lag by which a reading may be early beside it: it is as sure as that."""
 GAP_PER_ANGLE = 1.5
 """By how much larger a gap seems for friction that yields, over the yield angle."""
 
@@ -62,6 +69,19 @@ class Unknowns:
         effects[YIELD_ANGLE] = angle
         return replace(self, gaps=np.maximum(gaps, 0.0), effects=effects)
 
+    @property
+    def has_late_voltage(self) -> bool:
+        """Whether a voltage is late that is not held to be that for a reading which is early."""
+        lag, delay = float(self.effects[VOLTAGE_LAG]), float(self.effects[EFFECTS.index("delay")])
+        return lag > LATE and delay > -EARLY_SHARE * lag
+
+    def with_late_voltage(self) -> "Unknowns":
+        """Return them for a voltage that is as late as the reading was, which is not late then."""
+        effects, delay = self.effects.copy(), EFFECTS.index("delay")
+        effects[VOLTAGE_LAG] += effects[delay]
+        effects[delay] = 0.0
+        return replace(self, effects=effects)
+
     def as_vector(self) -> FloatArray:
         """Return all of them in one array."""
         parts = (self.gaps, self.factors, self.effects, self.initial_conditions.ravel())
@@ -78,6 +98,9 @@ class Unknowns:
         # A fit that has made friction rigid would not find out that it yields.
         least = min(float(self.effects[YIELD_ANGLE]), SMALLEST_YIELD_ANGLE)
         effects[YIELD_ANGLE] = max(float(effects[YIELD_ANGLE]), least)
+        # Nor would one that has made the voltage prompt find out that it is late.
+        least = min(float(self.effects[VOLTAGE_LAG]), SMALLEST_LAG)
+        effects[VOLTAGE_LAG] = max(float(effects[VOLTAGE_LAG]), least)
         initial_conditions = rest.reshape(self.initial_conditions.shape).copy()
         np.clip(initial_conditions[:, 0], -1.0, 1.0, out=initial_conditions[:, 0])
         return Unknowns(

@@ -55,6 +55,7 @@ DRIVES = (
     "growth",
     "slope",
     "yielding",
+    "lag",
 )
 """What moves the motor, as time integrals since the beginning; see ``StretchResponse.drives``."""
 DRIVE_COUNT = len(DRIVES)
@@ -83,6 +84,7 @@ def compiled_window() -> Any:
             signal,
             types.Array(types.float64, 2, "C"),
             types.Array(types.int64, 1, "C"),
+            signal,
             signal,
         )
 
@@ -141,6 +143,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         blocks: FloatArray,
         reversals: NDArray[np.int64],
         bends: FloatArray,
+        per_lag: FloatArray,
     ) -> tuple[int, float]:
         _ = sources
         last_side, last_motor, last_sample = 0.0, state.motor.angle, 0.0
@@ -154,6 +157,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         bent_from, held_from = bends.copy(), np.zeros((SPRINGS, DRIVE_COUNT))
         slips = np.ones(SPRINGS)
         is_resisted = yields or law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
+        lags = per_lag.size > 0
         changes, pitch = change.growth != 0.0 or change.slope != 0.0, step.plant.pitch
         per_speed = 1.0 / law.stribeck_speed
         steep = steepness(law.excess * step.motor.resistance, law.stribeck_speed, back_emf)
@@ -219,6 +223,8 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         sine, cosine = cog_wave(state.motor.angle * cogs)
                         drives[6] += felt * sine
                         drives[7] += felt * cosine
+                    if lags and k > 0:
+                        drives[11] += felt * per_lag[k - 1]
                     drives[8] += sign * felt * lasted
                     drives[9] += sign * felt * covered
                     if holds:

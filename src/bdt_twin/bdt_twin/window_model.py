@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from bdt_plant.elementary_functions import FULL_TURN, float_exponential
 from bdt_plant.plant import PlantModel
 from bdt_plant.structure import DiscreteStructure, StructureState
+from bdt_twin.applied_voltage import applied_voltage
 from bdt_twin.drive_bases import drive_bases
 from bdt_twin.fixed_order import block_means, dot, product, standard_deviation
 from bdt_twin.forward_model import (
@@ -99,21 +100,20 @@ class WindowModel:
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
         """Simulate each stretch."""
         effect = dict(zip(EFFECTS, unknowns.effects.tolist(), strict=True))
-        friction, offset = effect["friction_voltage"], effect["voltage_offset"]
-        sample_time = 1.0 / self.sampling_rate
+        friction, sample_time = effect["friction_voltage"], 1.0 / self.sampling_rate
         step = resisted_plant_with(self._model, unknowns.factors, unknowns.effects, sample_time)
         gain = float_exponential(float(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
         responses = []
-        slow = slow_motion(friction, back_emf)
         for number, (stretch, beginning) in enumerate(
             zip(self.stretches, unknowns.initial_conditions, strict=True)
         ):
             gaps = self._gaps[number].at(unknowns.gaps)
+            applied = applied_voltage(stretch, unknowns.effects, sample_time)
             state = initial_state(
                 StructureState(*beginning[2:].tolist()),
                 0.5 * float(beginning[0]) * float(gaps[0]),
-                np.append(stretch.before, stretch.voltage[0]) + offset,
+                np.append(applied.before, applied.voltage[0]),
                 back_emf,
                 step.plant,
             )
@@ -121,11 +121,11 @@ class WindowModel:
             run = simulate_stretch(
                 with_cogs(step, self.cogs, turns, unknowns.effects),
                 state,
-                stretch.voltage + offset,
+                applied.voltage,
                 gaps,
                 self.block,
                 sample_time,
-                slow,
+                slow_motion(friction, back_emf),
                 FrictionChange(
                     friction,
                     effect["friction_growth"],
@@ -133,6 +133,7 @@ class WindowModel:
                     stretch.first / self.sampling_rate - self.span[1],
                     float(beginning[1]),
                 ),
+                applied.per_lag,
             )
             reading = run.position + beginning[1]
             if effect["drift"]:
@@ -208,8 +209,7 @@ class WindowModel:
 
     def sample_step(self, unknowns: Unknowns) -> DiscreteStructure:
         """Return the structure's model from sample to sample."""
-        rate = self.sampling_rate
-        return plant_step_with(self._model, unknowns.factors, 1.0 / rate).structure
+        return plant_step_with(self._model, unknowns.factors, 1.0 / self.sampling_rate).structure
 
     def screw_turns(self, unknowns: Unknowns, number: int) -> float:
         """Return how often the screw has turned when a stretch begins, from the reading there."""

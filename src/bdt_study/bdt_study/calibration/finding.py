@@ -44,6 +44,7 @@ LARGEST_UNCERTAINTY = {
     "friction_growth": 1e-3,
     "friction_slope": 5.0,
     "yield_angle": 2e-3,
+    "voltage_lag": 2.5e-4,
     "gap": math.radians(1.0),
 }
 """Standard uncertainties above which data have not determined something: of logarithms of the
@@ -65,6 +66,7 @@ MOTION_OF = {
     "friction_growth": "the same motion at the beginning and at the end",
     "friction_slope": "slow motion over more of the travel",
     "yield_angle": "slow reversals, with rests",
+    "voltage_lag": "quick reversals, before anything has come to rest",
     "gap": "reversals of the motor, each beyond the gap",
 }
 """Motion that would tell what the data do not."""

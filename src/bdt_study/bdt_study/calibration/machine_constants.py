@@ -28,6 +28,7 @@ RATIOS = (
     ("friction_growth", "1/s"),
     ("friction_slope", "1/m"),
     ("yield_angle", "rad"),
+    ("voltage_lag", "s"),
 )
 """Effects that the data tell by themselves where the machine has them, and their units."""
 COVERAGE = 2.0
