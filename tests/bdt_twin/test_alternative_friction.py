@@ -156,6 +156,16 @@ def test_a_fit_that_has_gone_astray_begins_anew_with_an_angle_that_has_explained
     assert told.begun_with == [FIRST_ANGLE, None, None, LARGE_ANGLE]
 
 
+def test_fits_with_the_other_friction_begin_anew_where_the_voltage_is_found_to_be_late():
+    window, fit = restless()
+    told, memory = Told([0.0] * 3), memory_of_friction()
+    told.better(window, fit, memory, CHANGE)
+    memory.has_lag(1e-3)
+    for _ in range(2):
+        told.better(window, fit, memory, CHANGE)
+    assert told.begun_with == [FIRST_ANGLE, FIRST_ANGLE, None]
+
+
 def test_the_gap_is_less_sure_until_the_friction_is_certain():
     window, fit = explained()
     friction, memory = AlternativeFriction(), memory_of_friction()

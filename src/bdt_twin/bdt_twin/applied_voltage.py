@@ -18,7 +18,6 @@ from bdt_twin.unknowns import SMALLEST_LAG
 
 FloatArray = NDArray[np.float64]
 
-
 PROMPT = np.empty(0)
 """Says that nobody asks what an amplifier does that is not prompt."""
 

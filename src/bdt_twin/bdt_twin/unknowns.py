@@ -19,9 +19,9 @@ SMALLEST_YIELD_ANGLE = 3e-4
 """Yield angle below which friction is rigid [rad]."""
 SMALLEST_LAG = 1e-6
 """Time constant below which a voltage follows its command at once [s]."""
-LATE = 6e-4
+LATE = 4e-4
 """Age of a reading from which on it matters whether the voltage is late instead, and time from
-which on that is late [s]: one of 0.5 ms shifts a gap by some hundredths of a degree."""
+which on that is late [s]."""
 EARLY_SHARE = 0.15
 """Share of a lag by which a reading may be early beside it: it is as sure as that."""
 GAP_PER_ANGLE = 1.5

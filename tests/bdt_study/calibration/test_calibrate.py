@@ -274,6 +274,19 @@ def test_friction_that_yields_before_it_slides_is_told_from_a_rigid_one(tmp_path
     assert "yield_angle" not in result.constants
 
 
+@pytest.mark.parametrize("delay", [0.5e-3, 1.5e-3])
+def test_steps_that_are_all_alike_hardly_tell_a_gap_from_a_late_reading(tmp_path, start, delay):
+    """The gap was off by 0.65 deg with 0.26 deg stated, where its fit came to a flat valley."""
+    rows = telemetry(
+        replace(MACHINE, delay=delay),
+        36.0,
+        lambda time: 5e-3 * (int(time / 3.0) % 2),
+        sampling_rate=1000.0,
+    )
+    found = calibrate(bag_of(tmp_path / "bag", rows), read_configuration(start))
+    assert abs(found.gap - GAP) < min(math.radians(0.4), 2.0 * found.gap_uncertainty)
+
+
 def test_a_motor_that_moves_one_way_tells_neither_friction_nor_offset_nor_gap(tmp_path, start):
     rows = telemetry(MACHINE, 15.0, lambda time: 2e-3 * max(time - 1.0, 0.0))
     result = calibrate(bag_of(tmp_path / "bag", rows), read_configuration(start))

@@ -15,6 +15,7 @@ from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_study.calibration.fitted_data import SETTINGS, Data
 from bdt_study.calibration.followed_windows import follow_windows
+from bdt_study.calibration.gap_valley import best_of_valley
 from bdt_study.calibration.machine_search import fit_from_any_gap, search_beginning
 from bdt_study.calibration.motor_lag import without_early_reading
 from bdt_study.calibration.prior_knowledge import (
@@ -22,7 +23,6 @@ from bdt_study.calibration.prior_knowledge import (
     is_plausible,
     wide_knowledge,
 )
-from bdt_study.calibration.segment_covariance import segment_covariance
 from bdt_study.calibration.whole_fit import (
     FINE,
     fit_machine_noise,
@@ -164,7 +164,7 @@ def _identify_near(
         found = yielding_fit(window, fit, _known(model, with_yield_angle, expected))
         if found is not None:
             fit, joined = found, with_yield_angle
-    fit = replace(fit, covariance=segment_covariance(window, fit))
+    fit = best_of_valley(window, fit, _known(model, joined, expected))
     return Identification(model, window, fit, joined)
 
 
