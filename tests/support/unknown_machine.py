@@ -234,7 +234,7 @@ def _advance(  # noqa: PLR0915 - one loop, compiled as a whole
     upper_mass, upper_stiffness = mass * constants[24], stiffness * constants[25]
     beyond = max(at_rest - coulomb, 0.0)
     q2, v2, q3, v3, base_speed, time, bend, voltage = state[4:12]
-    followed = 1.0 - np.exp(-STEP_TIME / constants[26]) if constants[26] > 0.0 else 1.0
+    left = np.exp(-STEP_TIME / constants[26]) if constants[26] > 0.0 else 0.0
     inner = positions.size // gaps.size
     against = PITCH / efficiency if efficiency > 0.0 else 0.0
     # A screw that the load drives: below a half it is self-locking.
@@ -243,7 +243,7 @@ def _advance(  # noqa: PLR0915 - one loop, compiled as a whole
     base = PITCH * screw + thread_error * np.sin(screw)
     for step in range(positions.size):
         half, push = 0.5 * gaps[step // inner], pushes[step // inner]
-        voltage += followed * (commanded - voltage)
+        voltage = commanded + left * (voltage - commanded)
         current += STEP_TIME / inductance * (voltage - back_emf * speed)
         current /= 1.0 + STEP_TIME * resistance / inductance
         torque = per_ampere * current - viscous * speed - cogging * np.sin(cogs * motor)
