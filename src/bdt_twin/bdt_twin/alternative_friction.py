@@ -16,18 +16,15 @@ from bdt_twin.friction_evidence import FrictionEvidence
 from bdt_twin.gap_doubt import yielding_doubt
 from bdt_twin.machine_knowledge import VOLTAGE_LAG, YIELD_ANGLE
 from bdt_twin.machine_memory import MachineMemory
-from bdt_twin.noise_levels import is_restless, quiet
-from bdt_twin.output_error_fit import WindowFit
+from bdt_twin.noise_levels import is_restless
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor, predicted_unknowns
-from bdt_twin.window_search import FINE
+from bdt_twin.window_search import fit_another_machine
 
 EVERY = 3
 """Windows from one comparison to the next where the machine's friction is certain."""
 MUCH_WORK = 360_000
 """Simulated samples of a window's own fits that leave no time for another one."""
-MOST_SAMPLES, FEWEST_SIMULATIONS = 240_000, 3
-"""Samples that a fit may simulate, and simulations that it may make however long the window is."""
 LEAST_FRICTION = 5e-3
 """Voltage of the friction from which on it matters whether it yields [V]."""
 FIRST_ANGLE, SMALLEST_ANGLE, LARGEST_ANGLE = 2e-3, 1e-3, 2e-2
@@ -132,11 +129,8 @@ class AlternativeFriction:
         else:
             begun, levels = predicted_unknowns(window, self._last), self._last.fit.levels
         other.be_like(machine)
-        problem = WindowFit(window, growth_change, other.before(*window.span))
-        simulations = max(MOST_SAMPLES // window.samples, FEWEST_SIMULATIONS)
-        # What a model explains is not taken for a walk of the motor only because it was before.
-        first = quiet(levels) if is_restless(levels) else levels
-        return problem.solve(begun, FINE, simulations, levels=first)
+        known = other.before(*window.span)
+        return fit_another_machine(window, growth_change, known, begun, levels)
 
     def _compare(self, window: WindowModel, fit: Fit, found: Fit, other: MachineMemory) -> None:
         """Take note of a fit with the other friction."""

@@ -9,19 +9,15 @@ from bdt_twin.fit_result import Fit
 from bdt_twin.machine_knowledge import COGGING, VOLTAGE_LAG
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.noise_levels import HARDLY_EXPLAINED, is_restless, quiet
-from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor, predicted_unknowns, without_growth
-from bdt_twin.window_search import FINE, fit_window
+from bdt_twin.window_search import FINE, fit_another_machine, fit_window
 
 MOST_NEWCOMERS = 2
 """Effects that may join the unknowns in one window; each takes another fit."""
 MUCH_WORK = 600_000
 """Simulated samples after which an effect joins in the next window only, if one fit of the window
 does not take more, and no late voltage is tried."""
-
-TRIAL_SAMPLES, FEWEST_SIMULATIONS = 240_000, 3
-"""Samples that a trial of a late voltage may simulate, and simulations however long a window is."""
 LAG_GAIN = 10.0
 """Gain of log-likelihood by a voltage that is late, not the reading, for which it is taken so."""
 BETTER = 4.0
@@ -121,9 +117,8 @@ def _with_lag(window: WindowModel, fit: Fit, machine: MachineMemory, growth_chan
         return fit
     begun = fit.unknowns.with_late_voltage()
     lag = float(begun.effects[VOLTAGE_LAG])
-    problem = WindowFit(window, growth_change, machine.with_lag(lag))
-    simulations = max(TRIAL_SAMPLES // window.samples, FEWEST_SIMULATIONS)
-    found = problem.solve(begun, FINE, simulations, levels=quiet(fit.levels))
+    known = machine.with_lag(lag)
+    found = fit_another_machine(window, growth_change, known, begun, fit.levels)
     is_explained = not is_restless(found.levels, HARDLY_EXPLAINED)
     if found.gain_over(fit) < LAG_GAIN or not (found.unknowns.has_late_voltage and is_explained):
         return fit

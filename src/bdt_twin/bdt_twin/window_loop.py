@@ -223,10 +223,10 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         sine, cosine = cog_wave(state.motor.angle * cogs)
                         drives[6] += felt * sine
                         drives[7] += felt * cosine
-                    if lags and k > 0:
-                        drives[11] += felt * per_lag[k - 1]
                     drives[8] += sign * felt * lasted
                     drives[9] += sign * felt * covered
+                    if lags and k > 0:
+                        drives[11] += felt * per_lag[k - 1]
                     if holds:
                         stiffness = 0.0
                         for spring in range(SPRINGS):

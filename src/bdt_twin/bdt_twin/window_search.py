@@ -32,6 +32,8 @@ MOST_SAMPLES = 240_000
 """Samples that a fit may simulate, which bounds the time that it takes."""
 FEWEST_SIMULATIONS = 9
 """Simulations that a fit may make, however long the window is."""
+FEWEST_OF_ANOTHER = 3
+"""Simulations of a fit of another machine, however long the window is."""
 ROUGH_SIMULATIONS = 6
 """Simulations of a fit to which the machine's noise is not known yet, or that is tried besides."""
 COARSE_RATE, COARSE_BLOCK_RATE = 500.0, 50.0
@@ -121,6 +123,35 @@ def fit_window(
     if followed.prediction_error <= enough:
         return followed
     return _better(followed, _from_many(problem, window, growth_change, machine, simulations))
+
+
+def fit_another_machine(
+    window: WindowModel,
+    growth_change: float,
+    machine: MachineKnowledge,
+    begun: Unknowns,
+    levels: NoiseLevels,
+) -> Fit:
+    """Return the fit of a window, fitted already, to a machine that is thought to be another one.
+
+    Parameters
+    ----------
+    window : WindowModel
+        Model and data.
+    growth_change : float
+        Scale of the growth rate's change in one second [rad/s^1.5].
+    machine : MachineKnowledge
+        What is known of the other machine before.
+    begun : Unknowns
+        Where the fit begins.
+    levels : NoiseLevels
+        Levels of noise of the fit that it is compared with.
+    """
+    problem = WindowFit(window, growth_change, machine)
+    simulations = max(MOST_SAMPLES // window.samples, FEWEST_OF_ANOTHER)
+    # What a model explains is not taken for a walk of the motor only because it was before.
+    first = quiet(levels) if is_restless(levels) else levels
+    return problem.solve(begun, FINE, simulations, levels=first)
 
 
 def explains_worse(window: WindowModel, fit: Fit, error: float) -> bool:
