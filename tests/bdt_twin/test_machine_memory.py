@@ -5,12 +5,14 @@ import pytest
 
 from bdt_plant.motor import MotorParameters
 from bdt_twin.cogging_search import CoggingEvidence
+from bdt_twin.effect_trials import TRIED_AGAIN
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import (
     ABSENT,
     COGGING,
     EFFECT_SPREAD,
     EFFECTS,
+    TOP_MASS,
     VOLTAGE_LAG,
     YIELD_ANGLE,
     MachineKnowledge,
@@ -18,7 +20,6 @@ from bdt_twin.machine_knowledge import (
 from bdt_twin.machine_memory import (
     COGGING_EVIDENCE,
     EVIDENCE,
-    LAG_AGAIN,
     OTHER_EVIDENCE,
     PLAUSIBLE,
     SEARCH_AGAIN,
@@ -30,7 +31,7 @@ from bdt_twin.model_factors import FACTORS
 from bdt_twin.unknowns import LATE
 
 FRICTION, OFFSET = (len(FACTORS) + EFFECTS.index(name) for name in EFFECTS[:2])
-DELAY, LAG = len(FACTORS) + EFFECTS.index("delay"), len(FACTORS) + VOLTAGE_LAG
+DELAY = len(FACTORS) + EFFECTS.index("delay")
 COUNT = len(FACTORS) + len(EFFECTS)
 
 
@@ -180,27 +181,42 @@ def told_late(delay=2.0 * LATE):
     return machine
 
 
-def test_a_late_voltage_is_looked_for_where_a_reading_is_late_and_the_motor_walks():
+def test_effects_without_evidence_are_tried_where_the_motor_walks():
     memory = MachineMemory(MotorParameters())
-    assert not memory.looks_for_lag(AT_REST, told_late())
-    assert not memory.looks_for_lag(RESTLESS, told_late(0.9 * LATE))
-    looks = [memory.looks_for_lag(RESTLESS, told_late()) for _ in range(8 * LAG_AGAIN)]
-    assert np.flatnonzero(looks).tolist() == [0, LAG_AGAIN, 3 * LAG_AGAIN, 7 * LAG_AGAIN]
+    assert memory.to_try(AT_REST, told_late()) is None
+    tried = [memory.to_try(RESTLESS, told_late()) for _ in range(9 * TRIED_AGAIN)]
+    for effect in (VOLTAGE_LAG, TOP_MASS):
+        assert tried.count(effect) == 4, "less and less often"
+    assert tried[:3] == [VOLTAGE_LAG, TOP_MASS, None], "one in a window"
 
 
-def test_what_was_told_of_late_readings_is_forgotten_where_the_voltage_is():
+def test_a_voltage_is_not_late_where_no_reading_is():
     memory = MachineMemory(MotorParameters())
+    tried = [memory.to_try(RESTLESS, told_late(0.9 * LATE)) for _ in range(8 * TRIED_AGAIN)]
+    assert [number for number, effect in enumerate(tried) if effect == TOP_MASS] == [
+        0,
+        TRIED_AGAIN,
+        3 * TRIED_AGAIN,
+        7 * TRIED_AGAIN,
+    ]
+    assert VOLTAGE_LAG not in tried
+
+
+@pytest.mark.parametrize(("effect", "size"), [(VOLTAGE_LAG, 1e-3), (TOP_MASS, 0.2)])
+def test_what_was_told_without_an_effect_is_forgotten_once_it_is_there(effect, size):
+    memory, place = MachineMemory(MotorParameters()), len(FACTORS) + effect
     memory.has_evidence(evidence_of("delay", 9.0), told())
     memory.learn(1.0, told_late())
-    tried = memory.with_lag(1e-3)
+    tried = memory.with_effect(effect, size)
     assert memory.before(2.0, 3.0).expected[DELAY] == 2.0 * LATE
-    memory.has_lag(1e-3)
+    memory.has_effect(effect, size)
     for known in (tried, memory.before(2.0, 3.0)):
         assert known.expected[DELAY] == 0.0
-        assert known.expected[LAG] == 1e-3
-        for place in (DELAY, LAG):
-            assert spread_of(known, place) == pytest.approx(EFFECT_SPREAD[place - len(FACTORS)])
-    assert not memory.looks_for_lag(RESTLESS, told_late())
+        assert known.expected[place] == size
+        for each in (DELAY, place):
+            assert spread_of(known, each) == pytest.approx(EFFECT_SPREAD[each - len(FACTORS)])
+    assert effect in memory.present
+    assert effect not in [memory.to_try(RESTLESS, told_late()) for _ in range(9)]
 
 
 def test_cogging_is_looked_for_where_the_motor_walks_now_and_then():

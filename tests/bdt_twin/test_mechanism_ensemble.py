@@ -11,7 +11,7 @@ from bdt_plant.quick_exponential import quick_exponential
 from bdt_twin import mechanism_ensemble
 from bdt_twin.decision_loop import HOLD
 from bdt_twin.estimator import Estimate
-from bdt_twin.machine_knowledge import EFFECTS, first_knowledge
+from bdt_twin.machine_knowledge import EFFECTS, TOP_MASS, first_knowledge
 from bdt_twin.mechanism_ensemble import MechanismEnsemble
 from bdt_twin.model_factors import FACTORS
 
@@ -61,16 +61,22 @@ def test_no_gap_is_negative():
 def test_constants_have_the_covariance_of_the_posterior(monkeypatch):
     monkeypatch.setattr(mechanism_ensemble, "discretize_plant", lambda model, *_: model)
     spread = np.zeros(len(FACTORS) + len(EFFECTS))
-    spread[:3] = 0.01, 0.02, 0.1
+    places = [*range(len(FACTORS)), len(FACTORS) + TOP_MASS]
+    spread[places] = 0.01, 0.02, 0.1, 0.05
     knowledge = KNOWN._replace(covariance=np.diag(spread**2))
     models = [one.plant for one in ensemble(100).draw(ESTIMATE, knowledge, 10.0, 10.0)]
     constants = np.log(
         [
-            (one.motor.back_emf_constant, one.structure.stiffness, one.structure.damping)
+            (
+                one.motor.back_emf_constant,
+                one.structure.stiffness,
+                one.structure.damping,
+                one.structure.top_mass_ratio,
+            )
             for one in models
         ]
     )
-    assert constants.std(axis=0) == pytest.approx(spread[:3], rel=0.25)
+    assert constants.std(axis=0) == pytest.approx(spread[places], rel=0.25)
     assert {one.structure.mass for one in models} == {MODEL.structure.mass}
 
 

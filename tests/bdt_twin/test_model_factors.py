@@ -4,11 +4,19 @@ import numpy as np
 import pytest
 
 from bdt_plant.plant import PlantModel, discretize_plant
-from bdt_plant.structure import discretize_structure
+from bdt_plant.structure import StructureParameters, discretize_structure
 from bdt_twin.model_factors import block_model_with, model_with, plant_step_with
 
 MODEL, SAMPLE_TIME = PlantModel(), 1e-3
-POINTS = [(0.05, 0.01, -0.03), (0.0, 0.0, 0.125), (0.129, 0.0, 0.0), (-0.05, 0.107, -0.213)]
+POINTS = [
+    (0.05, 0.01, -0.03),
+    (0.0, 0.0, 0.125),
+    (0.129, 0.0, 0.0),
+    (-0.05, 0.107, -0.213),
+    (0.0, 0.0, 0.0, 0.01),
+    (0.05, 0.107, -0.213, 0.27),
+    (0.05, 0.107, -0.213, -0.31),
+]
 
 
 def numbers_of(step):
@@ -22,6 +30,13 @@ def test_factors_multiply_the_gain_and_the_structure_per_mass():
     assert changed.structure.stiffness == pytest.approx(1.2e4)
     assert changed.structure.damping == pytest.approx(1.3 * 36.9)
     assert changed.structure.mass == MODEL.structure.mass
+
+
+def test_a_machine_carries_what_it_is_said_to_unless_a_factor_tells_otherwise():
+    laden = PlantModel(structure=StructureParameters(top_mass_ratio=1.5))
+    assert model_with(laden, np.zeros(3)) == laden
+    changed = model_with(laden, np.log([1.0, 1.0, 1.0, 1.2]))
+    assert changed.structure == StructureParameters(top_mass_ratio=1.5 * 1.2)
 
 
 def test_without_factors_the_model_is_as_exact_as_floats_are():
@@ -40,7 +55,7 @@ def test_between_the_points_of_the_grid_the_model_is_nearly_exact(factors):
     assert found.pitch == MODEL.lead_screw.pitch
     slopes = sum(
         np.abs(exact(logarithms + 1e-3 * axis) - exact(logarithms - 1e-3 * axis)) / 2e-3
-        for axis in np.eye(3)
+        for axis in np.eye(logarithms.size)
     )
     assert slopes.max() > 1.0
     assert (np.abs(numbers_of(found) - exact(logarithms)) < 5e-5 * slopes + 1e-9).all()

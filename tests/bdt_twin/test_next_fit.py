@@ -12,7 +12,7 @@ from bdt_plant.plant import PlantModel
 from bdt_twin import next_fit as module
 from bdt_twin.cogging_search import CoggingEvidence
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import COGGING, EFFECTS, VOLTAGE_LAG
+from bdt_twin.machine_knowledge import COGGING, EFFECTS, TOP_MASS, VOLTAGE_LAG
 from bdt_twin.machine_memory import SEARCH_AGAIN, MachineMemory
 from bdt_twin.next_fit import MOST_NEWCOMERS, next_fit
 from bdt_twin.stretch import Stretch
@@ -96,6 +96,29 @@ def test_a_voltage_that_is_late_is_told_from_a_reading_that_is(lag, delay):
     assert (VOLTAGE_LAG in memory.present) == (lag > 0.0)
     assert told["voltage_lag"] == pytest.approx(lag, abs=1e-4)
     assert told["delay"] == pytest.approx(delay, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("constants", "factor"),
+    [
+        ({"upper_mass": 1.3}, 1.3),
+        ({"upper_mass": 0.8}, 0.8),
+        ({"mass": 1.3 * 5.2, "upper_mass": 1.0 / 1.3}, 1.0 / 1.3),
+        ({"upper_stiffness": 0.8}, 0.8),
+        ({"damping": 45.0, "cubic_stiffness": 2e6}, 1.0),
+    ],
+)
+def test_the_top_platform_has_another_mass_where_both_modes_tell(constants, factor):
+    """Softer upper beams are the same: the two modes of the structure are all that is read."""
+    machine = UnknownMachine(coulomb_friction=8e-3, **constants)
+    rows, _ = record(machine, Run(duration=8.0, sampling_rate=5000.0, step_time=2.0))
+    stretch = Stretch(0, *np.ascontiguousarray(rows[:, 1:].T))
+    window = WindowModel(PlantModel(), [stretch], np.arange(9.0), 5000.0, 25)
+    memory, last = MachineMemory(MotorParameters()), None
+    for _ in range(8):
+        last = Predecessor(*next_fit(window, last, memory, math.radians(0.02)), 0.0)
+    assert (TOP_MASS in memory.present) == (factor != 1.0)
+    assert math.exp(last.fit.unknowns.effects[TOP_MASS]) == pytest.approx(factor, rel=0.05)
 
 
 @pytest.mark.parametrize("wrong", [12, 23])

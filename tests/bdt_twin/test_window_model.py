@@ -1,9 +1,12 @@
 """The Jacobian of the window's model is that of its own simulation."""
 
+import math
+
 import numpy as np
 import pytest
 
 from bdt_plant.plant import PlantModel
+from bdt_plant.structure import StructureParameters
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.stretch import Stretch
@@ -16,15 +19,16 @@ from bdt_twin.unknowns import (
 )
 from bdt_twin.window_model import WindowModel
 
+PLANT = PlantModel()
 RATE, BLOCK, COGS = 1000.0, 5, 24
 KNOTS = np.arange(0.0, 12.1, 2.0)
 
 
-def window_of(loop, *cuts):
+def window_of(loop, *cuts, model=PLANT):
     stretches = [
         Stretch(begin, *np.ascontiguousarray(loop.rows[begin:end, 1:].T)) for begin, end in cuts
     ]
-    return WindowModel(PlantModel(), stretches, KNOTS, RATE, BLOCK, COGS)
+    return WindowModel(model, stretches, KNOTS, RATE, BLOCK, COGS)
 
 
 EFFECTS_ALONE = {
@@ -45,6 +49,7 @@ RESISTED = EFFECTS_ALONE | {
 YIELDS = EFFECTS_ALONE | {"yield_angle": 6e-3}
 YIELDS_AND_MORE = RESISTED | {"yield_angle": 6e-3}
 LAGS = RESISTED | {"voltage_lag": 1.5e-3}
+LADEN = RESISTED | {"top_mass": 0.15}
 
 
 def unknowns_of(window, effects=RESISTED):
@@ -131,6 +136,16 @@ def test_an_amplifier_that_lags_moves_the_motor_as_far_later(closed_loop):
     assert 0.0 < np.abs(lagging - late).max() < 0.5 * away
 
 
+def test_a_payload_is_told_as_one_that_the_model_has(closed_loop):
+    loop = closed_loop()
+    effects = RESISTED | {"top_mass": math.log(1.3)}
+    found = means(window_of(loop, (0, 5000)), unknowns_of(window_of(loop, (0, 5000)), effects))
+    laden = PlantModel(structure=StructureParameters(top_mass_ratio=1.3))
+    window = window_of(loop, (0, 5000), model=laden)
+    expected = means(window, unknowns_of(window))
+    assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max()
+
+
 @pytest.mark.parametrize("cuts", [[(0, 12000)], [(1000, 6000), (7000, 12000)]])
 @pytest.mark.parametrize(
     ("effects", "share"),
@@ -140,6 +155,7 @@ def test_an_amplifier_that_lags_moves_the_motor_as_far_later(closed_loop):
         (YIELDS, 0.13),
         (YIELDS_AND_MORE, 0.13),
         (LAGS, 0.13),
+        (LADEN, 0.13),
     ],
 )
 def test_the_jacobian_is_that_of_the_simulation(closed_loop, cuts, effects, share):

@@ -68,6 +68,18 @@ def test_a_twin_that_is_not_told_of_an_amplifier_that_lags_finds_the_gap(lag, se
     assert (np.abs(errors) < 3.0 * np.array([each.uncertainty for each in learned])).all()
 
 
+@pytest.mark.parametrize("kind", ["top platform 30 % heavier", "middle platform 30 % heavier"])
+def test_a_twin_that_is_not_told_of_another_structure_finds_the_gap(kind):
+    """A walk of the motor explained what two modes leave: one window in ten had an answer."""
+    machine, course = drawn(kind, 0)
+    run = run_with_twin(machine, replace(course, gaps=course.gaps[: 30 * SECOND]))
+    learned = [each for each in run.estimates if each.is_known and not each.reason]
+    errors = np.array([off_by(course, each) for each in learned])
+    assert len(learned) > 25
+    assert np.rad2deg(np.sqrt(np.mean(np.square(errors)))) < 0.1
+    assert (np.abs(errors) < 3.0 * np.array([each.uncertainty for each in learned])).all()
+
+
 def test_a_loop_without_a_dead_zone_cycles_and_with_the_true_gap_does_not(friction):
     with_gap = steps_with_true_gap(*friction)
     assert [step.limit_cycle for step in with_gap] == [False] * 4

@@ -163,6 +163,13 @@ def lagging(
     return replace(kind(generator), amplifier_lag=lag)
 
 
+def laden(
+    kind: Callable[[np.random.Generator], UnknownMachine], generator: np.random.Generator
+) -> UnknownMachine:
+    """Return a machine whose top platform has 0.7 to 1.8 times the mass of the other."""
+    return replace(kind(generator), upper_mass=float(np.exp(generator.uniform(-0.36, 0.59))))
+
+
 def slight(**constants: float) -> Kind:
     """Return the kind of machines with slight friction and some constants."""
     return Kind(partial(slight_friction, **constants), decision="equation_9")
@@ -190,7 +197,12 @@ KINDS = {
     "everyday, friction yields": Kind(partial(yielding, everyday)),
     "unknown, friction yields": Kind(partial(yielding, unknown)),
     "top platform 30 % heavier": slight(upper_mass=1.3),
+    "middle platform 30 % heavier": slight(mass=1.3 * 5.2, upper_mass=1.0 / 1.3),
     "upper beams 20 % softer": slight(upper_stiffness=0.8),
+    "screw of 1 N/um": slight(screw_stiffness=1e6),
+    "screw of 0.2 N/um": slight(screw_stiffness=2e5),
+    "everyday, payload": Kind(partial(laden, everyday)),
+    "unknown, payload": Kind(partial(laden, unknown)),
     "guides with 0.1 N": slight(guide_friction=0.1),
     "twice the inertia": slight(inertia=10e-6),
     "12 times the inductance": slight(inductance=12e-3),

@@ -10,11 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from bdt_twin.effect_trials import TRIED
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import mean
 from bdt_twin.friction_evidence import FrictionEvidence
 from bdt_twin.gap_doubt import yielding_doubt
-from bdt_twin.machine_knowledge import VOLTAGE_LAG, YIELD_ANGLE
+from bdt_twin.machine_knowledge import YIELD_ANGLE
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.noise_levels import is_restless
 from bdt_twin.window_model import WindowModel
@@ -98,8 +99,8 @@ class AlternativeFriction:
         self._rest -= 1
         if self._rest > 0 or fit.simulated > MUCH_WORK:
             return machine, fit
-        if self._machine is None or VOLTAGE_LAG in machine.present - self._machine.present:
-            # What it was told without the lag is wrong.
+        if self._machine is None or not (machine.present & TRIED) <= self._machine.present:
+            # What it was told without what was tried is wrong.
             self._machine, self._last = machine.with_yield_angle(self._other_angle(machine)), None
         other = self._machine
         found = self._fit(window, fit, machine, other, growth_change)

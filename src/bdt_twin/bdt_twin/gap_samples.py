@@ -38,3 +38,18 @@ class GapSamples:
         for knot, span in enumerate(self._spans):
             found[span] = gaps[knot] + changes[knot] * self._shares[span]
         return found
+
+
+def knot_weights(knots: FloatArray, times: FloatArray) -> FloatArray:
+    """Return by how much the gap at each time depends on that at each knot, shape (knots, n).
+
+    Parameters
+    ----------
+    knots : ndarray, shape (knots,)
+        Times of the gap's knots, evenly spaced [s].
+    times : ndarray, shape (n,)
+        The times, none before the first knot or after the last one [s].
+    """
+    distance = np.abs(times[None, :] - knots[:, None]) / (knots[1] - knots[0])
+    weights: FloatArray = np.maximum(1.0 - distance, 0.0)
+    return weights

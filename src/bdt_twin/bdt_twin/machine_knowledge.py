@@ -33,6 +33,7 @@ EFFECTS = (
     *FRICTION_CHANGES,
     "yield_angle",
     "voltage_lag",
+    "top_mass",
 )
 """What a machine has that the paper's mechanism has not: Coulomb friction as the voltage that it
 takes [V], the voltage that the amplifier adds [V], the age of a reading [s], the drift of the
@@ -41,8 +42,8 @@ Stribeck speed over ``USUAL_STRIBECK_SPEED``, the voltage that the motor takes f
 which the structure resists the screw [V/N], the parts of the motor's cogging as voltages against
 forward motion, waves of its angle [V], and by which shares of it Coulomb friction changes with time
 [1/s] and along the screw [1/m]; it is that at the newest sample of a window, at position zero. Last
-come the angle by which it yields before it slides [rad], and the time constant with which the
-amplifier follows its command [s]."""
+come the angle by which it yields before it slides [rad], the time constant with which the
+amplifier follows its command [s], and the natural logarithm of the last of ``MODEL_FACTORS``."""
 
 COGGING = frozenset(map(EFFECTS.index, COGGING_PARTS))
 """Places in ``EFFECTS`` of the parts of cogging."""
@@ -53,20 +54,23 @@ YIELD_ANGLE = EFFECTS.index("yield_angle")
 VOLTAGE_LAG = EFFECTS.index("voltage_lag")
 """Place in ``EFFECTS`` of the time constant with which the amplifier follows its command."""
 
+TOP_MASS = EFFECTS.index("top_mass")
+"""Place in ``EFFECTS`` of the factor on the mass of the top platform."""
+
 USUAL_STRIBECK_SPEED = 2.0
 """Stribeck speed of a motor that nobody has looked at [rad/s]."""
 
 EFFECT_LIMITS = np.array(
     [
-        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0, -0.1, -200.0, 0.0, 0.0],
-        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0, 0.1, 200.0, 0.1, 0.02],
+        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0, -0.1, -200.0, 0.0, 0.0, -0.7],
+        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0, 0.1, 200.0, 0.1, 0.02, 1.1],
     ]
 )
 """Smallest and largest values of ``EFFECTS``."""
 
 FACTOR_SPREAD = (0.3, 0.2, 0.7)
 """Standard deviations of the logarithms of ``FACTORS`` of a machine that nobody has looked at."""
-EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03, 5e-3, 20.0, 0.02, 2e-3)
+EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03, 5e-3, 20.0, 0.02, 2e-3, 0.3)
 """Standard deviations of its ``EFFECTS``."""
 
 FACTOR_CHANGE_RATE = (5e-4, 5e-4, 5e-3)
@@ -85,6 +89,7 @@ EFFECT_CHANGE_RATE = (
     0.2,
     1e-4,
     5e-6,
+    5e-4,
 )
 """Random walk of ``EFFECTS``, in their units per s^0.5."""
 ABSENT = 1e-6

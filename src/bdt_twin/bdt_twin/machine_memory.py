@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from bdt_plant.motor import MotorParameters
 from bdt_twin.amplifier_offset import VoltageOffset, told_offset
 from bdt_twin.cogging_search import CoggingEvidence
+from bdt_twin.effect_trials import TrialTimes
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import (
     COGGING,
     EFFECTS,
     FRICTION_CHANGES,
+    TOP_MASS,
     VOLTAGE_LAG,
     YIELD_ANGLE,
     MachineKnowledge,
@@ -45,8 +47,6 @@ OTHER_EVIDENCE = 4.0
 """Gain of log-likelihood by another number of periods than the known one for which it is tried."""
 SEARCH_EVERY, SEARCH_AGAIN = 2, 6
 """Windows from one search for cogging to the next, and from one that has found nothing better."""
-LAG_AGAIN = 3
-"""Windows from the first trial of a voltage that is late to the second; then twice as many."""
 PLAUSIBLE = 4.0
 """Standard deviations of what is known of any machine within which one is."""
 
@@ -82,7 +82,7 @@ class MachineMemory:
         self._known: _Told | None = None
         self._present = set[int]()
         self.cogs, self._unsearched = 0, SEARCH_EVERY
-        self._has_offset, self._trial_pause, self._until_trial = False, LAG_AGAIN, 1
+        self._has_offset, self._trials = False, TrialTimes()
         self._recalled: tuple[MachineKnowledge, float] | None = None
         if motor.coulomb_friction > 0.0:
             self._present.add(EFFECTS.index("friction_voltage"))
@@ -224,34 +224,34 @@ class MachineMemory:
         found = float(machine.expected[place])
         return friction in self._present and found > max(surely, least)
 
-    def looks_for_lag(self, levels: NoiseLevels, machine: MachineKnowledge) -> bool:
-        """Tell whether it is time to try if the voltage is late, and not the reading.
+    def to_try(self, levels: NoiseLevels, machine: MachineKnowledge) -> int | None:
+        """Return the effect that it is time to try; None for none.
 
-        A window with such levels of noise has told so much of the machine.
+        A window with such levels of noise has told so much of the machine. A voltage that is late
+        is taken for a reading that is.
         """
         delay = float(machine.expected[len(FACTORS) + EFFECTS.index("delay")])
-        if VOLTAGE_LAG in self._present or delay < LATE or not is_restless(levels):
-            return False
-        self._until_trial -= 1
-        if self._until_trial > 0:
-            return False
-        self._until_trial, self._trial_pause = self._trial_pause, 2 * self._trial_pause
-        return True
+        possible = (VOLTAGE_LAG, TOP_MASS) if delay >= LATE else (TOP_MASS,)
+        if is_restless(levels):
+            for effect in possible:
+                if effect not in self._present and self._trials.is_due(effect):
+                    return effect
+        return None
 
-    def with_lag(self, lag: float) -> MachineKnowledge:
-        """Return what is known of a machine like this whose voltage may be late by a time [s].
+    def with_effect(self, effect: int, size: float) -> MachineKnowledge:
+        """Return what is known of a machine like this that has an effect, of about some size.
 
-        What windows have told is wrong if they thought that its reading was.
+        What windows have told is wrong if they did not know of it.
         """
         known = first_knowledge(self._motor)
-        known.expected[len(FACTORS) + VOLTAGE_LAG] = lag
-        return known.without(set(range(len(EFFECTS))) - self._present - {VOLTAGE_LAG})
+        known.expected[len(FACTORS) + effect] = size
+        return known.without(set(range(len(EFFECTS))) - self._present - {effect})
 
-    def has_lag(self, lag: float) -> None:
-        """Take a lag of the voltage [s] for present, and forget what windows have told without."""
+    def has_effect(self, effect: int, size: float) -> None:
+        """Take an effect for present, and forget what windows have told without it."""
         self._told.clear()
-        self._known, self._recalled = None, (self.with_lag(lag), 0.0)
-        self._present.add(VOLTAGE_LAG)
+        self._known, self._recalled = None, (self.with_effect(effect, size), 0.0)
+        self._present.add(effect)
 
     def looks_for_cogging(self, levels: NoiseLevels) -> bool:
         """Tell whether it is time to look for cogging in a window with these levels of noise."""

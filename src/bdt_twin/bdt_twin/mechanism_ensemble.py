@@ -10,7 +10,7 @@ from bdt_plant.quick_exponential import quick_exponential
 from bdt_twin.decision_loop import HOLD, Member
 from bdt_twin.estimator import Estimate
 from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
-from bdt_twin.model_factors import FACTORS, model_with
+from bdt_twin.model_factors import FACTORS, MODEL_FACTORS, model_with
 
 FloatArray = NDArray[np.float64]
 
@@ -86,13 +86,17 @@ class MechanismEnsemble:
     ) -> tuple[PlantModel, float, float]:
         """Return model, voltage that is not taken back [V], and age of a reading [s]."""
         if machine is None:
-            factors = np.zeros(len(FACTORS))
+            factors = np.zeros(len(MODEL_FACTORS))
             factors[FACTORS.index("gain")] = math.log(estimate.gain_correction)
             return model_with(self._model, factors), 0.0, 0.0
         drawn = machine.expected + _spread(machine.covariance, draw)
         effects = dict(zip(EFFECTS, drawn[len(FACTORS) :].tolist(), strict=True))
         expected = dict(zip(EFFECTS, machine.expected[len(FACTORS) :].tolist(), strict=True))
-        factors = np.clip(drawn[: len(FACTORS)], -LARGEST_LOGARITHM, LARGEST_LOGARITHM)
+        factors = np.clip(
+            np.append(drawn[: len(FACTORS)], effects["top_mass"]),
+            -LARGEST_LOGARITHM,
+            LARGEST_LOGARITHM,
+        )
         model = model_with(self._model, factors)
         motor = model.motor
         friction = max(effects["friction_voltage"], 0.0) * motor.torque_constant / motor.resistance

@@ -23,16 +23,20 @@ Point = tuple[int, ...]
 
 FACTORS = ("gain", "stiffness", "damping")
 """Factors on the model: of the motor's gain 1/k_B, of k/m and of c/m."""
+MODEL_FACTORS = (*FACTORS, "top_mass")
+"""All factors on the model; the last one, of the mass of platform 3 over that of platform 2, is one
+for a machine that carries what it is said to carry."""
 
-FACTOR_GRID = np.array([2e-2, 2e-2, 5e-2])
-"""Spacing of the natural logarithms of ``FACTORS``; the model depends least on the damping."""
+FACTOR_GRID = np.array([2e-2, 2e-2, 5e-2, 2.5e-3])
+"""Spacing of the natural logarithms of ``MODEL_FACTORS``. The model depends least on the damping.
+The mass divides stiffness and damping: parabolas along the axes miss that in larger steps."""
 MOST_GRIDS, MOST_POINTS = 32, 1024
 """Models, and points of the grid of each, that are remembered."""
 
 
 def model_with(model: PlantModel, factors: FloatArray) -> PlantModel:
-    """Return the model for natural logarithms of ``FACTORS``, shape (3,)."""
-    gain, stiffness, damping = exponential(factors).tolist()
+    """Return the model for natural logarithms of ``FACTORS`` or of all ``MODEL_FACTORS``."""
+    gain, stiffness, damping, top_mass = exponential(_of_all(factors)).tolist()
     motor, structure = model.motor, model.structure
     return replace(
         model,
@@ -41,6 +45,7 @@ def model_with(model: PlantModel, factors: FloatArray) -> PlantModel:
             structure,
             stiffness=structure.stiffness * stiffness,
             damping=structure.damping * damping,
+            top_mass_ratio=structure.top_mass_ratio * top_mass,
         ),
     )
 
@@ -55,7 +60,7 @@ def check_room(model: PlantModel) -> None:
     """
     for factor in (0.5, 2.0):
         try:
-            model_with(model, np.full(len(FACTORS), np.log(factor)))
+            model_with(model, np.full(len(MODEL_FACTORS), np.log(factor)))
         except ValueError as error:
             raise ValueError(
                 f"{error}, also {factor:g} times as large: the estimator corrects it"
@@ -69,13 +74,13 @@ def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) 
     ----------
     model : PlantModel
         Constants of the mechanism without factors.
-    factors : ndarray, shape (3,)
-        Natural logarithms of ``FACTORS``.
+    factors : ndarray, shape (3,) or (4,)
+        Natural logarithms of ``FACTORS`` or of all ``MODEL_FACTORS``.
     sample_time : float
         Sample time [s].
     """
     grid = _plant_grid(model, sample_time)
-    numbers = grid.numbers_at(factors)
+    numbers = grid.numbers_at(_of_all(factors))
     motor, structure, contact = np.split(numbers, [9, 33])
     # Whatever else a step holds does not depend on the factors.
     origin: DiscretePlant = grid.origin
@@ -96,8 +101,8 @@ def block_model_with(
     ----------
     model : PlantModel
         Constants of the mechanism without factors.
-    factors : ndarray, shape (3,)
-        Natural logarithms of ``FACTORS``.
+    factors : ndarray, shape (3,) or (4,)
+        Natural logarithms of ``FACTORS`` or of all ``MODEL_FACTORS``.
     sample_time : float
         Sample time [s].
     block : int
@@ -111,9 +116,14 @@ def block_model_with(
         Discrete structure whose sample is a block.
     """
     # The motor's gain has no part in it.
-    of_structure = factors * np.array([0.0, 1.0, 1.0])
+    of_structure = _of_all(factors) * np.array([0.0, 1.0, 1.0, 1.0])
     numbers = _block_grid(model, sample_time, block).numbers_at(of_structure)
     return numbers[:16].reshape(4, 4), numbers[16:].reshape(4, 6)
+
+
+def _of_all(factors: FloatArray) -> FloatArray:
+    """Return logarithms of ``MODEL_FACTORS``; those that are not given are of ones."""
+    return np.append(factors, np.zeros(len(MODEL_FACTORS) - factors.size))
 
 
 class _Grid:
@@ -143,7 +153,7 @@ class _Grid:
 
     def _parabola(self, place: Point, axis: int) -> tuple[FloatArray, FloatArray]:
         """Return twice the slope and the curvature of the numbers along an axis."""
-        known = self._parabolas.setdefault(place, [None] * len(FACTORS))
+        known = self._parabolas.setdefault(place, [None] * len(MODEL_FACTORS))
         parabola = known[axis]
         if parabola is None:
             ahead, behind = (

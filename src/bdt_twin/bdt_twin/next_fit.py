@@ -4,11 +4,12 @@ import math
 from dataclasses import dataclass, replace
 
 from bdt_twin.cogging_search import cogging_evidence
+from bdt_twin.effect_trials import begun_with, is_believed
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
-from bdt_twin.machine_knowledge import COGGING, VOLTAGE_LAG
+from bdt_twin.machine_knowledge import COGGING
 from bdt_twin.machine_memory import MachineMemory
-from bdt_twin.noise_levels import HARDLY_EXPLAINED, is_restless, quiet
+from bdt_twin.noise_levels import quiet
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor, predicted_unknowns, without_growth
 from bdt_twin.window_search import FINE, fit_another_machine, fit_window
@@ -17,9 +18,7 @@ MOST_NEWCOMERS = 2
 """Effects that may join the unknowns in one window; each takes another fit."""
 MUCH_WORK = 600_000
 """Simulated samples after which an effect joins in the next window only, if one fit of the window
-does not take more, and no late voltage is tried."""
-LAG_GAIN = 10.0
-"""Gain of log-likelihood by a voltage that is late, not the reading, for which it is taken so."""
+does not take more, and none is tried."""
 BETTER = 4.0
 """Gain of log-likelihood by which another number of periods has to be better than the known one."""
 
@@ -101,28 +100,23 @@ def next_fit(
                 break
         else:
             break
-    return window, _with_lag(window, fit, machine, growth_change)
+    return window, _with_what_is_tried(window, fit, machine, growth_change)
 
 
-def _with_lag(window: WindowModel, fit: Fit, machine: MachineMemory, growth_change: float) -> Fit:
-    """Return the fit of a window with a voltage that is late where that explains more.
-
-    A reading that is late is much the same but for the transients, which a walk of the motor
-    explains as well: no evidence of a lag is seen from there. What other effects leave unexplained
-    may want a voltage that is late and a reading that is early, which no machine has, and one more
-    unknown lets a motor walk less that goes on to walk a lot. A trial that has failed leaves no
-    trace, not even its work, which would keep others from being made.
-    """
-    if fit.simulated > MUCH_WORK or not machine.looks_for_lag(fit.levels, fit.machine):
+def _with_what_is_tried(
+    window: WindowModel, fit: Fit, machine: MachineMemory, growth_change: float
+) -> Fit:
+    """Return the fit of a window with an effect whose trial is due, if the machine has it."""
+    effect = None if fit.simulated > MUCH_WORK else machine.to_try(fit.levels, fit.machine)
+    if effect is None:
         return fit
-    begun = fit.unknowns.with_late_voltage()
-    lag = float(begun.effects[VOLTAGE_LAG])
-    known = machine.with_lag(lag)
+    begun = begun_with(effect, fit.unknowns)
+    size = float(begun.effects[effect])
+    known = machine.with_effect(effect, size)
     found = fit_another_machine(window, growth_change, known, begun, fit.levels)
-    is_explained = not is_restless(found.levels, HARDLY_EXPLAINED)
-    if found.gain_over(fit) < LAG_GAIN or not (found.unknowns.has_late_voltage and is_explained):
+    if not is_believed(effect, found, fit):
         return fit
-    machine.has_lag(lag)
+    machine.has_effect(effect, size)
     return replace(found, simulated=fit.simulated + found.simulated)
 
 

@@ -38,7 +38,7 @@ def resisted_plant_with(
     effect = dict(zip(EFFECTS, effects.tolist(), strict=True))
     resistance = float(model.motor.resistance)
     current = effect["friction_voltage"] / resistance
-    plant = plant_step_with(model, factors, sample_time)
+    plant = plant_step_with(model, np.append(factors, effect["top_mass"]), sample_time)
     plant = plant._replace(friction=plant.friction._replace(current=current))
     motor = ResistedMotor(
         plant.motor,

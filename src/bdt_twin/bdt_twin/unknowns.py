@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, VOLTAGE_LAG, YIELD_ANGLE
+from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, TOP_MASS, VOLTAGE_LAG, YIELD_ANGLE
 from bdt_twin.model_factors import FACTORS
 
 FloatArray = NDArray[np.float64]
@@ -24,6 +24,8 @@ LATE = 4e-4
 which on that is late [s]."""
 EARLY_SHARE = 0.15
 """Share of a lag by which a reading may be early beside it: it is as sure as that."""
+FIRST_TOP_MASS = 1e-3
+"""Logarithm of the factor on the mass of the top platform with which its search begins."""
 GAP_PER_ANGLE = 1.5
 """By how much larger a gap seems for friction that yields, over the yield angle."""
 
@@ -56,6 +58,11 @@ class Unknowns:
         """Voltage that the motor's Coulomb friction takes [V]."""
         return float(self.effects[EFFECTS.index("friction_voltage")])
 
+    @property
+    def model_factors(self) -> FloatArray:
+        """Natural logarithms of ``model_factors.MODEL_FACTORS``, shape (4,)."""
+        return np.append(self.factors, self.effects[TOP_MASS])
+
     def with_yield_angle(self, angle: float) -> "Unknowns":
         """Return them for friction that yields by another angle [rad], with gaps that go with it.
 
@@ -80,6 +87,12 @@ class Unknowns:
         effects, delay = self.effects.copy(), EFFECTS.index("delay")
         effects[VOLTAGE_LAG] += effects[delay]
         effects[delay] = 0.0
+        return replace(self, effects=effects)
+
+    def with_other_top_mass(self) -> "Unknowns":
+        """Return them for a mass of the top platform that may be another one."""
+        effects = self.effects.copy()
+        effects[TOP_MASS] = FIRST_TOP_MASS
         return replace(self, effects=effects)
 
     def as_vector(self) -> FloatArray:

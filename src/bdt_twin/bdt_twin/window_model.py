@@ -19,10 +19,10 @@ from bdt_twin.forward_model import (
     travel_in,
 )
 from bdt_twin.friction_change import FrictionChange
-from bdt_twin.gap_samples import GapSamples
+from bdt_twin.gap_samples import GapSamples, knot_weights
 from bdt_twin.innovations import DeviationModel, Motion
-from bdt_twin.machine_knowledge import EFFECTS
-from bdt_twin.model_factors import FACTORS, block_model_with, plant_step_with
+from bdt_twin.machine_knowledge import EFFECTS, TOP_MASS
+from bdt_twin.model_factors import FACTORS, MODEL_FACTORS, block_model_with, plant_step_with
 from bdt_twin.resisted_model import resisted_plant_with, with_cogs
 from bdt_twin.stretch import LEAD, Stretch
 from bdt_twin.structure_responses import structure_responses
@@ -100,7 +100,7 @@ class WindowModel:
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
         """Simulate each stretch."""
         effect = dict(zip(EFFECTS, unknowns.effects.tolist(), strict=True))
-        friction, sample_time = effect["friction_voltage"], 1.0 / self.sampling_rate
+        friction, sample_time = unknowns.friction, 1.0 / self.sampling_rate
         step = resisted_plant_with(self._model, unknowns.factors, unknowns.effects, sample_time)
         gain = float_exponential(float(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
@@ -168,11 +168,13 @@ class WindowModel:
         knots, effects = self.knots.size, self.knots.size + len(FACTORS)
         first = effects + len(EFFECTS)
         count = first + len(INITIAL_CONDITION)
-        start, step = self._by_blocks(unknowns.factors)
-        # In the last two columns the structure is less stiff, and less damped.
-        bases = np.zeros((run.screw.size, count + 2))
-        states, steps = np.zeros((count + 2, len(start))), np.empty((count + 2, *step.shape))
-        steps[:] = step
+        factors = unknowns.model_factors
+        start, step = self._by_blocks(factors)
+        # The last columns are of structures that are less stiff, less damped and less heavy.
+        changed = [knots + 1, knots + 2, effects + TOP_MASS][: 3 if factors[-1] else 2]
+        columns = count + len(changed)
+        bases = np.zeros((run.screw.size, columns))
+        states, steps = np.zeros((columns, len(start))), np.tile(step, (columns, 1, 1))
         self._write_play_bases(bases[:, :knots], number, unknowns, run)
         half = 0.5 * self.gap_at(unknowns.gaps, self.stretches[number].first / self.sampling_rate)
         moved, share = np.abs(run.side), float(unknowns.initial_conditions[number, 0])
@@ -183,33 +185,33 @@ class WindowModel:
         travel = self.travel_per_volt(unknowns) * moved
         bases[:, effects:first] = drive_bases(unknowns.effects, run.drives, turns, travel).T
         state = unknowns.initial_conditions[number, INITIAL_CONDITION.index("q2") :]
-        changed = np.array([knots + 1, knots + 2, count, count + 1])
-        changes = FACTOR_CHANGE * np.array([[0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, -1]])
-        for column, change in zip(changed.tolist(), changes, strict=True):
-            changed_start, steps[column] = self._by_blocks(unknowns.factors + change)
+        changes = FACTOR_CHANGE * np.eye(len(MODEL_FACTORS))[1 : 1 + len(changed)]
+        places = (*changed, *range(count, columns))
+        for column, change in zip(places, (*changes, *-changes), strict=True):
+            changed_start, steps[column] = self._by_blocks(factors + change)
             states[column] = product(changed_start, state)
             bases[:, column] = self.pitch * run.screw
         states[first + INITIAL_CONDITION.index("q2") : count] = start.T
         slopes = structure_responses(steps, bases, states)
-        ahead, behind = slopes[:, changed[:2]], slopes[:, changed[2:]]
-        slopes[:, changed[:2]] = (ahead - behind) / (2 * FACTOR_CHANGE)
+        ahead, behind = slopes[:, changed], slopes[:, count:]
+        slopes[:, changed] = (ahead - behind) / (2 * FACTOR_CHANGE)
         # The readings' own slope differs from the position's by what delay and drift add.
-        slope = (
-            travel_in(run.position, self.sampling_rate) - unknowns.effects[EFFECTS.index("drift")]
-        )
-        slopes[:, effects + EFFECTS.index("delay")] = -block_means(slope, self.block)
+        delay, drift = (EFFECTS.index(name) for name in ("delay", "drift"))
+        slope = travel_in(run.position, self.sampling_rate) - unknowns.effects[drift]
+        slopes[:, effects + delay] = -block_means(slope, self.block)
         middles = np.arange(run.screw.size) + 0.5 - 0.5 / self.block
-        slopes[:, effects + EFFECTS.index("drift")] = middles / self.block_rate
+        slopes[:, effects + drift] = middles / self.block_rate
         slopes[:, first + INITIAL_CONDITION.index("offset")] = 1.0
         return slopes[:, :count]
 
     def block_step(self, unknowns: Unknowns) -> FloatArray:
         """Return the structure's model from block to block, shape (4, 6)."""
-        return self._by_blocks(unknowns.factors)[1]
+        return self._by_blocks(unknowns.model_factors)[1]
 
     def sample_step(self, unknowns: Unknowns) -> DiscreteStructure:
         """Return the structure's model from sample to sample."""
-        return plant_step_with(self._model, unknowns.factors, 1.0 / self.sampling_rate).structure
+        given = self._model, unknowns.model_factors, 1.0 / self.sampling_rate
+        return plant_step_with(*given).structure
 
     def screw_turns(self, unknowns: Unknowns, number: int) -> float:
         """Return how often the screw has turned when a stretch begins, from the reading there."""
@@ -294,7 +296,4 @@ class WindowModel:
 
     def weights(self, times: FloatArray) -> FloatArray:
         """Return by how much the gap at each time depends on each knot, shape (knots, n)."""
-        spacing = self.knots[1] - self.knots[0]
-        distance = np.abs(times[None, :] - self.knots[:, None]) / spacing
-        weights: FloatArray = np.maximum(1.0 - distance, 0.0)
-        return weights
+        return knot_weights(self.knots, times)

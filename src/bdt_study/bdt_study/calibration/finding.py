@@ -45,6 +45,7 @@ LARGEST_UNCERTAINTY = {
     "friction_slope": 5.0,
     "yield_angle": 2e-3,
     "voltage_lag": 2.5e-4,
+    "top_mass": 0.02,
     "gap": math.radians(1.0),
 }
 """Standard uncertainties above which data have not determined something: of logarithms of the
@@ -67,6 +68,7 @@ MOTION_OF = {
     "friction_slope": "slow motion over more of the travel",
     "yield_angle": "slow reversals, with rests",
     "voltage_lag": "quick reversals, before anything has come to rest",
+    "top_mass": "steps that make both modes of the structure ring",
     "gap": "reversals of the motor, each beyond the gap",
 }
 """Motion that would tell what the data do not."""

@@ -23,6 +23,7 @@ from bdt_study.calibration.prior_knowledge import (
     is_plausible,
     wide_knowledge,
 )
+from bdt_study.calibration.top_mass_search import top_mass_fit
 from bdt_study.calibration.whole_fit import (
     FINE,
     fit_machine_noise,
@@ -93,7 +94,7 @@ class Identification:
     @property
     def found_model(self) -> PlantModel:
         """The mechanism that was found, without friction, which is among the effects."""
-        return model_with(self.model, self.fit.unknowns.factors)
+        return model_with(self.model, self.fit.unknowns.model_factors)
 
     def effect(self, name: str) -> float:
         """Return one of ``EFFECTS``."""
@@ -150,6 +151,8 @@ def _identify_near(
     joined = () if followed is None else followed.joined
     known = _known(model, joined, expected)
     problem = WindowFit(window, SETTINGS.growth_change, known)
+    if "top_mass" in joined:
+        start = start.with_other_top_mass()
     # Windows that are too short for the machine may have led astray.
     beginnings = [start] if followed is None else [start, followed.on(window)]
     fits = [fit_whole(problem, beginning) for beginning in beginnings]
@@ -159,11 +162,12 @@ def _identify_near(
         fits.append(fit_machine_noise(problem, other))
     likely = [each for each in fits if is_plausible(each, known)]
     fit = min(likely or fits, key=lambda each: each.prediction_error)
-    if "yield_angle" not in joined:
-        with_yield_angle = (*joined, "yield_angle")
-        found = yielding_fit(window, fit, _known(model, with_yield_angle, expected))
-        if found is not None:
-            fit, joined = found, with_yield_angle
+    for name, search in (("top_mass", top_mass_fit), ("yield_angle", yielding_fit)):
+        if name not in joined:
+            with_it = (*joined, name)
+            found = search(window, fit, _known(model, with_it, expected))
+            if found is not None:
+                fit, joined = found, with_it
     fit = best_of_valley(window, fit, _known(model, joined, expected))
     return Identification(model, window, fit, joined)
 

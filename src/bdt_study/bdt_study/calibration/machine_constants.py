@@ -117,6 +117,11 @@ def machine_constants(
     constants[GAP] = finding.constant("gap", gap[0], "rad", gap[1])
     if "excess_voltage" in found.joined:
         constants |= _friction_at_rest(finding, per_volt, doubt)
+    if "top_mass" in found.joined:
+        ratio = values["structure.top_mass_ratio"] * math.exp(value["top_mass"])
+        constants["structure.top_mass_ratio"] = finding.constant(
+            "top_mass", ratio, "", ratio * deviation["top_mass"]
+        )
     if COGGING_PARTS[0] in found.joined:
         constants |= _cogging(finding, found.window.cogs, per_volt, doubt)
     return constants | _ratio_constants(start, found, finding, (response, late))

@@ -25,9 +25,10 @@ JOINING_EFFECTS = (
     FRICTION_CHANGES,
     ("yield_angle",),
     ("voltage_lag",),
+    ("top_mass",),
 )
 """Those that one looks for if windows of the data give evidence of one of their group."""
-EFFECT_SPREAD = (1.0, 0.2, 2e-3, 1e-5, 0.5, 0.5, 5e-3, 0.1, 0.1, 5e-3, 20.0, 0.02, 2e-3)
+EFFECT_SPREAD = (1.0, 0.2, 2e-3, 1e-5, 0.5, 0.5, 5e-3, 0.1, 0.1, 5e-3, 20.0, 0.02, 2e-3, 0.5)
 """Prior standard deviations of ``EFFECTS``, in their units."""
 _ABSENT = 1e-9
 _HELD = (1e-7, 1e-7, 1e-7, 1e-7, 1e-7, 1e-9, 1e-12)
