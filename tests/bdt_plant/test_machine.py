@@ -36,7 +36,7 @@ EVERYTHING = PlantModel(
     MotorParameters(coulomb_friction=0.01, viscous_friction=1e-5),
     stribeck=StribeckParameters(0.016, 2.0, 0.1),
     cogging=CoggingParameters(3e-3),
-    screw_mechanics=ScrewMechanics(0.4, 1e6),
+    screw_mechanics=ScrewMechanics(0.4, 1e6, 1e-5),
     beams=BeamParameters(2e6),
     pushes=PushParameters(2.0, 0.05, 0.1, 2),
 )
@@ -50,6 +50,7 @@ EFFECTS = {
     "cogging": PlantModel(cogging=CoggingParameters(3e-3)),
     "load": PlantModel(screw_mechanics=ScrewMechanics(0.4)),
     "elastic screw": PlantModel(screw_mechanics=ScrewMechanics(0.0, 1e6)),
+    "thread": PlantModel(screw_mechanics=ScrewMechanics(thread_error=1e-5)),
     "stiffening beams": PlantModel(beams=BeamParameters(5e8)),
     "pushes": PlantModel(pushes=PushParameters(2.0, 0.05, 0.1, 3)),
     "everything": EVERYTHING,
@@ -83,7 +84,7 @@ def brute_force(model, gap):
         for _ in range(steps):
             size = coulomb + excess * math.exp(-((w / friction.stribeck_speed) ** 2))
             ahead, back = size * (1 + asymmetry), size * (1 - asymmetry)
-            d_before = PITCH * theta_d
+            d_before = PITCH * theta_d + screw.thread_error * math.sin(theta_d)
             base = q1 if k_d else d_before
             bent, upper = base - q2, q2 - q3
             lower_force = K * bent + k_3 * bent**3
@@ -102,7 +103,7 @@ def brute_force(model, gap):
             w = free - FINE / J * min(max(free * J / FINE, -back), ahead)
             theta += FINE * w
             theta_d = min(max(theta_d, theta - gap / 2), theta + gap / 2)
-            d = PITCH * theta_d
+            d = PITCH * theta_d + screw.thread_error * math.sin(theta_d)
             if k_d:
                 lower_force += C * (v1 - v2)
                 v1 += FINE / MASS * (k_d * (d - q1) - lower_force)

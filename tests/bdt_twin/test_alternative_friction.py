@@ -18,10 +18,11 @@ from bdt_twin.alternative_friction import (
     MUCH_WORK,
     AlternativeFriction,
 )
+from bdt_twin.effect_trials import TRIALS
 from bdt_twin.friction_evidence import BELIEVED, CERTAIN, EXPLAINED_GAIN, LARGE_ANGLE, MOST_GAIN
 from bdt_twin.gap_doubt import UNEXPLAINED_YIELDING, UNSEEN_YIELDING
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import EFFECTS, TOP_MASS, VOLTAGE_LAG, YIELD_ANGLE
+from bdt_twin.machine_knowledge import EFFECTS, YIELD_ANGLE
 from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.next_fit import next_fit
 from bdt_twin.stretch import Stretch
@@ -156,12 +157,12 @@ def test_a_fit_that_has_gone_astray_begins_anew_with_an_angle_that_has_explained
     assert told.begun_with == [FIRST_ANGLE, None, None, LARGE_ANGLE]
 
 
-@pytest.mark.parametrize(("effect", "size"), [(VOLTAGE_LAG, 1e-3), (TOP_MASS, 0.2)])
-def test_fits_with_the_other_friction_begin_anew_once_the_machine_is_another_one(effect, size):
+@pytest.mark.parametrize("trial", TRIALS)
+def test_fits_with_the_other_friction_begin_anew_once_the_machine_is_another_one(trial):
     window, fit = restless()
     told, memory = Told([0.0] * 3), memory_of_friction()
     told.better(window, fit, memory, CHANGE)
-    memory.has_effect(effect, size)
+    memory.has_effects(np.zeros(len(EFFECTS)), trial.places)
     for _ in range(2):
         told.better(window, fit, memory, CHANGE)
     assert told.begun_with == [FIRST_ANGLE, FIRST_ANGLE, None]

@@ -5,15 +5,13 @@ import pytest
 
 from bdt_plant.motor import MotorParameters
 from bdt_twin.cogging_search import CoggingEvidence
-from bdt_twin.effect_trials import TRIED_AGAIN
+from bdt_twin.effect_trials import TRIALS
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import (
     ABSENT,
     COGGING,
     EFFECT_SPREAD,
     EFFECTS,
-    TOP_MASS,
-    VOLTAGE_LAG,
     YIELD_ANGLE,
     MachineKnowledge,
 )
@@ -181,42 +179,29 @@ def told_late(delay=2.0 * LATE):
     return machine
 
 
-def test_effects_without_evidence_are_tried_where_the_motor_walks():
+def test_what_shows_no_evidence_is_tried_where_the_motor_walks():
     memory = MachineMemory(MotorParameters())
     assert memory.to_try(AT_REST, told_late()) is None
-    tried = [memory.to_try(RESTLESS, told_late()) for _ in range(9 * TRIED_AGAIN)]
-    for effect in (VOLTAGE_LAG, TOP_MASS):
-        assert tried.count(effect) == 4, "less and less often"
-    assert tried[:3] == [VOLTAGE_LAG, TOP_MASS, None], "one in a window"
+    tried = [memory.to_try(RESTLESS, told_late()) for _ in TRIALS]
+    assert tried == list(TRIALS)
 
 
-def test_a_voltage_is_not_late_where_no_reading_is():
-    memory = MachineMemory(MotorParameters())
-    tried = [memory.to_try(RESTLESS, told_late(0.9 * LATE)) for _ in range(8 * TRIED_AGAIN)]
-    assert [number for number, effect in enumerate(tried) if effect == TOP_MASS] == [
-        0,
-        TRIED_AGAIN,
-        3 * TRIED_AGAIN,
-        7 * TRIED_AGAIN,
-    ]
-    assert VOLTAGE_LAG not in tried
-
-
-@pytest.mark.parametrize(("effect", "size"), [(VOLTAGE_LAG, 1e-3), (TOP_MASS, 0.2)])
-def test_what_was_told_without_an_effect_is_forgotten_once_it_is_there(effect, size):
-    memory, place = MachineMemory(MotorParameters()), len(FACTORS) + effect
+@pytest.mark.parametrize("trial", TRIALS)
+def test_what_was_told_without_an_effect_is_forgotten_once_it_is_there(trial):
+    memory, sizes = MachineMemory(MotorParameters()), 1e-3 * np.arange(len(EFFECTS))
     memory.has_evidence(evidence_of("delay", 9.0), told())
     memory.learn(1.0, told_late())
-    tried = memory.with_effect(effect, size)
+    tried = memory.with_effects(sizes, trial.places)
     assert memory.before(2.0, 3.0).expected[DELAY] == 2.0 * LATE
-    memory.has_effect(effect, size)
+    memory.has_effects(sizes, trial.places)
     for known in (tried, memory.before(2.0, 3.0)):
         assert known.expected[DELAY] == 0.0
-        assert known.expected[place] == size
-        for each in (DELAY, place):
-            assert spread_of(known, each) == pytest.approx(EFFECT_SPREAD[each - len(FACTORS)])
-    assert effect in memory.present
-    assert effect not in [memory.to_try(RESTLESS, told_late()) for _ in range(9)]
+        for effect in trial.places:
+            place = len(FACTORS) + effect
+            assert known.expected[place] == sizes[effect]
+            assert spread_of(known, place) == pytest.approx(EFFECT_SPREAD[effect])
+    assert memory.present.issuperset(trial.places)
+    assert trial not in [memory.to_try(RESTLESS, told_late()) for _ in range(9)]
 
 
 def test_cogging_is_looked_for_where_the_motor_walks_now_and_then():

@@ -12,7 +12,7 @@ from bdt_plant.plant import PlantModel
 from bdt_twin import next_fit as module
 from bdt_twin.cogging_search import CoggingEvidence
 from bdt_twin.innovations import NoiseLevels
-from bdt_twin.machine_knowledge import COGGING, EFFECTS, TOP_MASS, VOLTAGE_LAG
+from bdt_twin.machine_knowledge import COGGING, EFFECTS, THREAD, TOP_MASS, VOLTAGE_LAG
 from bdt_twin.machine_memory import SEARCH_AGAIN, MachineMemory
 from bdt_twin.next_fit import MOST_NEWCOMERS, next_fit
 from bdt_twin.stretch import Stretch
@@ -83,15 +83,21 @@ def followed(cogged, memory, windows):
     return last
 
 
-@pytest.mark.parametrize(("lag", "delay"), [(1.5e-3, 0.0), (1e-3, 4e-4), (0.0, 1.2e-3)])
-def test_a_voltage_that_is_late_is_told_from_a_reading_that_is(lag, delay):
-    machine = UnknownMachine(coulomb_friction=8e-3, amplifier_lag=lag, delay=delay)
+def told_of(machine, windows):
+    """Return what some fits of 8 s of a machine have told of it, and the last one."""
     rows, _ = record(machine, Run(duration=8.0, sampling_rate=5000.0, step_time=2.0))
     stretch = Stretch(0, *np.ascontiguousarray(rows[:, 1:].T))
     window = WindowModel(PlantModel(), [stretch], np.arange(9.0), 5000.0, 25)
     memory, last = MachineMemory(MotorParameters()), None
-    for _ in range(10):
+    for _ in range(windows):
         last = Predecessor(*next_fit(window, last, memory, math.radians(0.02)), 0.0)
+    return memory, last
+
+
+@pytest.mark.parametrize(("lag", "delay"), [(1.5e-3, 0.0), (1e-3, 4e-4), (0.0, 1.2e-3)])
+def test_a_voltage_that_is_late_is_told_from_a_reading_that_is(lag, delay):
+    machine = UnknownMachine(coulomb_friction=8e-3, amplifier_lag=lag, delay=delay)
+    memory, last = told_of(machine, 10)
     told = dict(zip(EFFECTS, last.fit.unknowns.effects.tolist(), strict=True))
     assert (VOLTAGE_LAG in memory.present) == (lag > 0.0)
     assert told["voltage_lag"] == pytest.approx(lag, abs=1e-4)
@@ -110,15 +116,19 @@ def test_a_voltage_that_is_late_is_told_from_a_reading_that_is(lag, delay):
 )
 def test_the_top_platform_has_another_mass_where_both_modes_tell(constants, factor):
     """Softer upper beams are the same: the two modes of the structure are all that is read."""
-    machine = UnknownMachine(coulomb_friction=8e-3, **constants)
-    rows, _ = record(machine, Run(duration=8.0, sampling_rate=5000.0, step_time=2.0))
-    stretch = Stretch(0, *np.ascontiguousarray(rows[:, 1:].T))
-    window = WindowModel(PlantModel(), [stretch], np.arange(9.0), 5000.0, 25)
-    memory, last = MachineMemory(MotorParameters()), None
-    for _ in range(8):
-        last = Predecessor(*next_fit(window, last, memory, math.radians(0.02)), 0.0)
+    memory, last = told_of(UnknownMachine(coulomb_friction=8e-3, **constants), 8)
     assert (TOP_MASS in memory.present) == (factor != 1.0)
     assert math.exp(last.fit.unknowns.effects[TOP_MASS]) == pytest.approx(factor, rel=0.05)
+
+
+@pytest.mark.parametrize("error", [2e-6, 0.0])
+def test_a_thread_is_off_where_the_travel_repeats_with_each_turn(error):
+    machine = UnknownMachine(coulomb_friction=8e-3, thread_error=error)
+    memory, last = told_of(machine, 6)
+    assert memory.present.issuperset(THREAD) == (error > 0.0)
+    sine, cosine = last.fit.unknowns.effects[sorted(THREAD)]
+    assert sine == pytest.approx(error, abs=5e-8)
+    assert cosine == pytest.approx(0.0, abs=5e-8)
 
 
 @pytest.mark.parametrize("wrong", [12, 23])

@@ -50,6 +50,7 @@ YIELDS = EFFECTS_ALONE | {"yield_angle": 6e-3}
 YIELDS_AND_MORE = RESISTED | {"yield_angle": 6e-3}
 LAGS = RESISTED | {"voltage_lag": 1.5e-3}
 LADEN = RESISTED | {"top_mass": 0.15}
+OFF = RESISTED | {"thread_sine": 2e-6, "thread_cosine": -3e-6}
 
 
 def unknowns_of(window, effects=RESISTED):
@@ -156,6 +157,7 @@ def test_a_payload_is_told_as_one_that_the_model_has(closed_loop):
         (YIELDS_AND_MORE, 0.13),
         (LAGS, 0.13),
         (LADEN, 0.13),
+        (OFF, 0.13),
     ],
 )
 def test_the_jacobian_is_that_of_the_simulation(closed_loop, cuts, effects, share):

@@ -71,6 +71,11 @@ EFFECTS = {
         {"motor": frictional(), "screw_mechanics": ScrewMechanics(0.0, 5e5)},
         {},
     ),
+    "a thread that is off": (
+        {"coulomb_friction": FRICTION, "thread_error": 3e-6},
+        {"motor": frictional(), "screw_mechanics": ScrewMechanics(thread_error=3e-6)},
+        {},
+    ),
     "stiffening beams": ({"cubic_stiffness": 2e6}, {"beams": BeamParameters(2e6)}, {}),
     "amplifier": (
         {"amplifier_gain": 1.02, "amplifier_offset": 0.05},

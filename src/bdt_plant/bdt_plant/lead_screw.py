@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from bdt_msgs_py.quantities import quantity, validate
+from bdt_plant.elementary_functions import FULL_TURN, sine_of_turns
 
 
 @dataclass(frozen=True)
@@ -16,6 +17,23 @@ class LeadScrewParameters:
 
     def __post_init__(self) -> None:
         validate(self)
+
+
+def screw_end(theta_d: float, pitch: float, thread_error: float) -> float:
+    """Return the position d of the lead screw's end, whose thread may be off (eq. 1) [m].
+
+    Parameters
+    ----------
+    theta_d : float
+        Angle of the lead screw [rad].
+    pitch : float
+        Pitch p [m/rad].
+    thread_error : float
+        Amplitude of an error that repeats with each turn [m]; 0 for none.
+    """
+    if thread_error == 0.0:
+        return pitch * theta_d
+    return pitch * theta_d + thread_error * sine_of_turns(theta_d / FULL_TURN)
 
 
 def play(theta_d: float, theta_m: float, gap: float) -> float:

@@ -11,7 +11,7 @@ through a rigid screw, which is that of the beginning.
 from typing import NamedTuple
 
 from bdt_plant.cogging import Cogging, cogging_current, cogging_of
-from bdt_plant.lead_screw import contact_side, play
+from bdt_plant.lead_screw import contact_side, play, screw_end
 from bdt_plant.motor import MotorState
 from bdt_plant.plant import FloatArray, PlantModel, Sampling
 from bdt_plant.pushes import Pushes, discretize_pushes, push_force
@@ -54,6 +54,8 @@ class DiscreteMachine(NamedTuple):
         Pitch p of the lead screw [m/rad].
     half_step : float
         Half of a step [s].
+    thread_error : float
+        Amplitude of the error of the screw's thread [m]; 0 for none.
     """
 
     sub_steps: int
@@ -65,6 +67,7 @@ class DiscreteMachine(NamedTuple):
     pushes: Pushes
     pitch: float
     half_step: float
+    thread_error: float
 
 
 class MachineState(NamedTuple):
@@ -111,6 +114,7 @@ def discretize_machine(model: PlantModel, sampling: Sampling) -> DiscreteMachine
         discretize_pushes(model.pushes, sampling.sampling_rate),
         pitch,
         0.5 * step_time,
+        float(model.screw_mechanics.thread_error),
     )
 
 
@@ -133,12 +137,14 @@ def machine_step(
     motor, theta_d, contact, tower, sample = state
     push = push_force(sample, step.pushes)
     push_2, push_3 = (push, 0.0) if step.pushes.platform == 2 else (0.0, push)
+    after = screw_end(theta_d, step.pitch, step.thread_error)
     for _ in range(step.sub_steps):
-        before = step.pitch * theta_d
+        before = after
         motor = _motor_step(motor, voltage, before, contact, gap, tower, step)
         theta_d = play(theta_d, motor.angle, gap)
         contact = contact_side(theta_d, motor.angle, gap)
-        tower = tower_step(tower, before, step.pitch * theta_d, push_2, push_3, step.tower)
+        after = screw_end(theta_d, step.pitch, step.thread_error)
+        tower = tower_step(tower, before, after, push_2, push_3, step.tower)
     return MachineState(motor, theta_d, contact, tower, sample + 1)
 
 

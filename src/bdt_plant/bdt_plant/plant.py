@@ -96,6 +96,7 @@ class PlantModel:
             or self.cogging.cogging_torque
             or self.screw_mechanics.efficiency
             or self.screw_mechanics.stiffness
+            or self.screw_mechanics.thread_error
             or self.beams.cubic_stiffness
             or self.pushes.force
         )

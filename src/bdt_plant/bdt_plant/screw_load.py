@@ -21,7 +21,7 @@ SELF_LOCKING = 0.5
 
 @dataclass(frozen=True)
 class ScrewMechanics:
-    """Efficiency and elasticity of the lead screw; the paper's is rigid and acts one way."""
+    """What the paper's lead screw has not, which is rigid, even and acts one way."""
 
     efficiency: float = quantity(
         0.0,
@@ -36,6 +36,13 @@ class ScrewMechanics:
         "stiffness k_d of the lead screw, platform 1 then having a mass; 0 for a rigid screw",
         minimum=0.0,
         maximum=1e10,
+    )
+    thread_error: float = quantity(
+        0.0,
+        "m",
+        "amplitude of an error of the screw's travel that repeats with each turn",
+        minimum=0.0,
+        maximum=1e-2,
     )
 
     def __post_init__(self) -> None:

@@ -3,8 +3,11 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import sine_of_turns
+
+FloatArray = NDArray[np.float64]
 
 VALUES_PER_TURN = 1024
 """Values of the sine that are known for each period; a multiple of four."""
@@ -26,3 +29,13 @@ def cog_wave(turns: float) -> tuple[float, float]:
         sine + part * (float(SINES[number + 1]) - sine),
         cosine + part * (float(SINES[ahead + 1]) - cosine),
     )
+
+
+def cog_waves(turns: FloatArray) -> FloatArray:
+    """Return :func:`cog_wave` of many angles, shape (n,), as an array of shape (n, 2)."""
+    places = (turns - np.floor(turns)) * VALUES_PER_TURN
+    numbers = places.astype(np.int64)
+    found = np.empty((turns.size, 2))
+    for part, first in enumerate((numbers, numbers + QUARTER)):
+        found[:, part] = SINES[first] + (places - numbers) * (SINES[first + 1] - SINES[first])
+    return found

@@ -19,31 +19,69 @@ FloatArray = NDArray[np.float64]
 
 COGGING_PARTS = ("cogging_sine", "cogging_cosine")
 """The two parts of a wave of the motor's angle."""
+THREAD_PARTS = ("thread_sine", "thread_cosine")
+"""The two parts of the error of the screw's thread, a wave of its angle."""
 FRICTION_CHANGES = ("friction_growth", "friction_slope")
 """What Coulomb friction changes by, with time and along the screw."""
-EFFECTS = (
-    "friction_voltage",
-    "voltage_offset",
-    "delay",
-    "drift",
-    "excess_voltage",
-    "stribeck_speed",
-    "load_voltage",
-    *COGGING_PARTS,
-    *FRICTION_CHANGES,
-    "yield_angle",
-    "voltage_lag",
-    "top_mass",
+
+
+class Effect(NamedTuple):
+    """What is known of an effect before, in its unit.
+
+    Attributes
+    ----------
+    lowest, highest : float
+        Its limits.
+    spread : float
+        Standard deviation on a machine that nobody has looked at.
+    change_rate : float
+        Random walk, in its unit per s^0.5.
+    """
+
+    lowest: float
+    highest: float
+    spread: float
+    change_rate: float
+
+
+_KNOWN = {
+    # Voltage that Coulomb friction takes, that at the newest sample and at position zero [V].
+    "friction_voltage": Effect(0.0, 100.0, 0.3, 5e-4),
+    # Voltage that the amplifier adds [V].
+    "voltage_offset": Effect(-10.0, 10.0, 0.05, 5e-4),
+    # Age [s] and drift [m/s] of the readings.
+    "delay": Effect(-0.1, 0.1, 5e-4, 5e-6),
+    "drift": Effect(-1.0, 1.0, 1e-6, 1e-7),
+    # How much more voltage friction takes at rest [V], and the natural logarithm of the Stribeck
+    # speed over USUAL_STRIBECK_SPEED.
+    "excess_voltage": Effect(0.0, 100.0, 0.2, 5e-4),
+    "stribeck_speed": Effect(-1.5, 1.5, 0.5, 5e-3),
+    # Voltage that the motor takes for the force with which the structure resists the screw [V/N].
+    "load_voltage": Effect(0.0, 10.0, 5e-3, 5e-5),
+    # Parts of the motor's cogging, as voltages against forward motion [V].
+    **dict.fromkeys(COGGING_PARTS, Effect(-10.0, 10.0, 0.03, 1e-3)),
+    # Share of Coulomb friction by which it changes in a second [1/s], and along the screw [1/m].
+    "friction_growth": Effect(-0.1, 0.1, 5e-3, 2e-4),
+    "friction_slope": Effect(-200.0, 200.0, 20.0, 0.2),
+    # Angle by which friction yields before it slides [rad].
+    "yield_angle": Effect(0.0, 0.1, 0.02, 1e-4),
+    # Time constant with which the amplifier follows its command [s].
+    "voltage_lag": Effect(0.0, 0.02, 2e-3, 5e-6),
+    # Natural logarithm of the factor on the mass of platform 3, the last of MODEL_FACTORS.
+    "top_mass": Effect(-0.7, 1.1, 0.3, 5e-4),
+    # Parts of the error of the screw's thread [m].
+    **dict.fromkeys(THREAD_PARTS, Effect(-1e-4, 1e-4, 5e-6, 1e-9)),
+}
+EFFECTS = tuple(_KNOWN)
+"""What a machine has that the paper's mechanism has not."""
+EFFECT_LIMITS = np.array(
+    [[each.lowest for each in _KNOWN.values()], [each.highest for each in _KNOWN.values()]]
 )
-"""What a machine has that the paper's mechanism has not: Coulomb friction as the voltage that it
-takes [V], the voltage that the amplifier adds [V], the age of a reading [s], the drift of the
-readings [m/s], how much more voltage friction takes at rest [V], the natural logarithm of the
-Stribeck speed over ``USUAL_STRIBECK_SPEED``, the voltage that the motor takes for the force with
-which the structure resists the screw [V/N], the parts of the motor's cogging as voltages against
-forward motion, waves of its angle [V], and by which shares of it Coulomb friction changes with time
-[1/s] and along the screw [1/m]; it is that at the newest sample of a window, at position zero. Last
-come the angle by which it yields before it slides [rad], the time constant with which the
-amplifier follows its command [s], and the natural logarithm of the last of ``MODEL_FACTORS``."""
+"""Smallest and largest values of ``EFFECTS``."""
+EFFECT_SPREAD = tuple(each.spread for each in _KNOWN.values())
+"""Standard deviations of ``EFFECTS`` of a machine that nobody has looked at."""
+EFFECT_CHANGE_RATE = tuple(each.change_rate for each in _KNOWN.values())
+"""Random walk of ``EFFECTS``, in their units per s^0.5."""
 
 COGGING = frozenset(map(EFFECTS.index, COGGING_PARTS))
 """Places in ``EFFECTS`` of the parts of cogging."""
@@ -57,41 +95,16 @@ VOLTAGE_LAG = EFFECTS.index("voltage_lag")
 TOP_MASS = EFFECTS.index("top_mass")
 """Place in ``EFFECTS`` of the factor on the mass of the top platform."""
 
+THREAD = frozenset(map(EFFECTS.index, THREAD_PARTS))
+"""Places in ``EFFECTS`` of the parts of the thread's error."""
+
 USUAL_STRIBECK_SPEED = 2.0
 """Stribeck speed of a motor that nobody has looked at [rad/s]."""
 
-EFFECT_LIMITS = np.array(
-    [
-        [0.0, -10.0, -0.1, -1.0, 0.0, -1.5, 0.0, -10.0, -10.0, -0.1, -200.0, 0.0, 0.0, -0.7],
-        [100.0, 10.0, 0.1, 1.0, 100.0, 1.5, 10.0, 10.0, 10.0, 0.1, 200.0, 0.1, 0.02, 1.1],
-    ]
-)
-"""Smallest and largest values of ``EFFECTS``."""
-
 FACTOR_SPREAD = (0.3, 0.2, 0.7)
-"""Standard deviations of the logarithms of ``FACTORS`` of a machine that nobody has looked at."""
-EFFECT_SPREAD = (0.3, 0.05, 5e-4, 1e-6, 0.2, 0.5, 5e-3, 0.03, 0.03, 5e-3, 20.0, 0.02, 2e-3, 0.3)
-"""Standard deviations of its ``EFFECTS``."""
-
+"""Standard deviations of the logarithms of ``FACTORS`` of such a machine."""
 FACTOR_CHANGE_RATE = (5e-4, 5e-4, 5e-3)
 """Random walk of the logarithms of ``FACTORS`` [1/s^0.5]."""
-EFFECT_CHANGE_RATE = (
-    5e-4,
-    5e-4,
-    5e-6,
-    1e-7,
-    5e-4,
-    5e-3,
-    5e-5,
-    1e-3,
-    1e-3,
-    2e-4,
-    0.2,
-    1e-4,
-    5e-6,
-    5e-4,
-)
-"""Random walk of ``EFFECTS``, in their units per s^0.5."""
 ABSENT = 1e-6
 """Share of its spread that an effect may have as long as there is no evidence of it."""
 CHANGING = ("friction_voltage", "friction_growth")

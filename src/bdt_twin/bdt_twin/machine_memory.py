@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 from bdt_plant.motor import MotorParameters
 from bdt_twin.amplifier_offset import VoltageOffset, told_offset
 from bdt_twin.cogging_search import CoggingEvidence
-from bdt_twin.effect_trials import TrialTimes
+from bdt_twin.effect_trials import EffectTrial, TrialTimes
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import (
     COGGING,
     EFFECTS,
     FRICTION_CHANGES,
-    TOP_MASS,
-    VOLTAGE_LAG,
     YIELD_ANGLE,
     MachineKnowledge,
     first_knowledge,
@@ -26,7 +24,6 @@ from bdt_twin.machine_knowledge import (
 from bdt_twin.machine_recollection import MachineRecollection
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import is_restless
-from bdt_twin.unknowns import LATE
 
 FloatArray = NDArray[np.float64]
 
@@ -224,34 +221,35 @@ class MachineMemory:
         found = float(machine.expected[place])
         return friction in self._present and found > max(surely, least)
 
-    def to_try(self, levels: NoiseLevels, machine: MachineKnowledge) -> int | None:
-        """Return the effect that it is time to try; None for none.
+    def to_try(self, levels: NoiseLevels, machine: MachineKnowledge) -> EffectTrial | None:
+        """Return the trial that it is time for; None for none.
 
-        A window with such levels of noise has told so much of the machine. A voltage that is late
-        is taken for a reading that is.
+        A window with such levels of noise has told so much of the machine.
         """
-        delay = float(machine.expected[len(FACTORS) + EFFECTS.index("delay")])
-        possible = (VOLTAGE_LAG, TOP_MASS) if delay >= LATE else (TOP_MASS,)
-        if is_restless(levels):
-            for effect in possible:
-                if effect not in self._present and self._trials.is_due(effect):
-                    return effect
-        return None
+        return self._trials.due(self._present, machine) if is_restless(levels) else None
 
-    def with_effect(self, effect: int, size: float) -> MachineKnowledge:
-        """Return what is known of a machine like this that has an effect, of about some size.
+    def with_effects(self, effects: FloatArray, places: Collection[int]) -> MachineKnowledge:
+        """Return what is known of a machine like this that has some effects more.
 
-        What windows have told is wrong if they did not know of it.
+        What windows have told is wrong if they did not know of these.
+
+        Parameters
+        ----------
+        effects : ndarray, shape (effects,)
+            How large they may be, in ``EFFECTS``.
+        places : collection of int
+            Their places.
         """
         known = first_knowledge(self._motor)
-        known.expected[len(FACTORS) + effect] = size
-        return known.without(set(range(len(EFFECTS))) - self._present - {effect})
+        for place in places:
+            known.expected[len(FACTORS) + place] = effects[place]
+        return known.without(set(range(len(EFFECTS))) - self._present - set(places))
 
-    def has_effect(self, effect: int, size: float) -> None:
-        """Take an effect for present, and forget what windows have told without it."""
+    def has_effects(self, effects: FloatArray, places: Collection[int]) -> None:
+        """Take effects for present, and forget what windows have told without them."""
         self._told.clear()
-        self._known, self._recalled = None, (self.with_effect(effect, size), 0.0)
-        self._present.add(effect)
+        self._known, self._recalled = None, (self.with_effects(effects, places), 0.0)
+        self._present |= set(places)
 
     def looks_for_cogging(self, levels: NoiseLevels) -> bool:
         """Tell whether it is time to look for cogging in a window with these levels of noise."""

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass, replace
 
 from bdt_twin.cogging_search import cogging_evidence
-from bdt_twin.effect_trials import begun_with, is_believed
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_result import Fit
 from bdt_twin.machine_knowledge import COGGING
@@ -107,16 +106,15 @@ def _with_what_is_tried(
     window: WindowModel, fit: Fit, machine: MachineMemory, growth_change: float
 ) -> Fit:
     """Return the fit of a window with an effect whose trial is due, if the machine has it."""
-    effect = None if fit.simulated > MUCH_WORK else machine.to_try(fit.levels, fit.machine)
-    if effect is None:
+    trial = None if fit.simulated > MUCH_WORK else machine.to_try(fit.levels, fit.machine)
+    if trial is None:
         return fit
-    begun = begun_with(effect, fit.unknowns)
-    size = float(begun.effects[effect])
-    known = machine.with_effect(effect, size)
+    begun = trial.begun(fit.unknowns)
+    known = machine.with_effects(begun.effects, trial.places)
     found = fit_another_machine(window, growth_change, known, begun, fit.levels)
-    if not is_believed(effect, found, fit):
+    if not trial.is_believed(found, fit):
         return fit
-    machine.has_effect(effect, size)
+    machine.has_effects(begun.effects, trial.places)
     return replace(found, simulated=fit.simulated + found.simulated)
 
 

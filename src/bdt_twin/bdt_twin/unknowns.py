@@ -1,5 +1,6 @@
 """What the fit of a window looks for, as an object and as a vector."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -24,8 +25,6 @@ LATE = 4e-4
 which on that is late [s]."""
 EARLY_SHARE = 0.15
 """Share of a lag by which a reading may be early beside it: it is as sure as that."""
-FIRST_TOP_MASS = 1e-3
-"""Logarithm of the factor on the mass of the top platform with which its search begins."""
 GAP_PER_ANGLE = 1.5
 """By how much larger a gap seems for friction that yields, over the yield angle."""
 
@@ -89,10 +88,10 @@ class Unknowns:
         effects[delay] = 0.0
         return replace(self, effects=effects)
 
-    def with_other_top_mass(self) -> "Unknowns":
-        """Return them for a mass of the top platform that may be another one."""
+    def with_effects(self, places: Sequence[int], size: float) -> "Unknowns":
+        """Return them with these places of ``EFFECTS`` of one size, in their units."""
         effects = self.effects.copy()
-        effects[TOP_MASS] = FIRST_TOP_MASS
+        effects[list(places)] = size
         return replace(self, effects=effects)
 
     def as_vector(self) -> FloatArray:

@@ -21,11 +21,13 @@ from bdt_twin.forward_model import (
 from bdt_twin.friction_change import FrictionChange
 from bdt_twin.gap_samples import GapSamples, knot_weights
 from bdt_twin.innovations import DeviationModel, Motion
-from bdt_twin.machine_knowledge import EFFECTS, TOP_MASS
+from bdt_twin.machine_knowledge import EFFECTS, THREAD, TOP_MASS
 from bdt_twin.model_factors import FACTORS, MODEL_FACTORS, block_model_with, plant_step_with
+from bdt_twin.play_bases import play_bases
 from bdt_twin.resisted_model import resisted_plant_with, with_cogs
 from bdt_twin.stretch import LEAD, Stretch
 from bdt_twin.structure_responses import structure_responses
+from bdt_twin.thread_error import thread_response, thread_waves
 from bdt_twin.unknowns import INITIAL_CONDITION, Unknowns
 from bdt_twin.window_loop import DRIVES
 
@@ -136,6 +138,11 @@ class WindowModel:
                 applied.per_lag,
             )
             reading = run.position + beginning[1]
+            thread = unknowns.effects[sorted(THREAD)]
+            if thread.any():
+                turns = self.screw_turns(unknowns, number)
+                step_by_block = self.block_step(unknowns)
+                reading += thread_response(step_by_block, run.screw, turns, thread, self.block)
             if effect["drift"]:
                 reading += effect["drift"] * self._times[number]
             if effect["delay"]:
@@ -175,15 +182,21 @@ class WindowModel:
         columns = count + len(changed)
         bases = np.zeros((run.screw.size, columns))
         states, steps = np.zeros((columns, len(start))), np.tile(step, (columns, 1, 1))
-        self._write_play_bases(bases[:, :knots], number, unknowns, run)
-        half = 0.5 * self.gap_at(unknowns.gaps, self.stretches[number].first / self.sampling_rate)
-        moved, share = np.abs(run.side), float(unknowns.initial_conditions[number, 0])
+        begins, share = self.stretches[number].first, float(unknowns.initial_conditions[number, 0])
+        times = (begins + run.sample) / self.sampling_rate
+        initial = self.weights(np.array([begins / self.sampling_rate]))[:, 0]
+        bases[:, :knots] = play_bases(self.knots, times, run.side, self.pitch, initial, share)
+        half, moved = 0.5 * dot(initial, unknowns.gaps), np.abs(run.side)
         # The angle of the motor begins at its place in the gap.
         angle = run.motor + run.drives[DRIVES.index("gain")] - share * half
         bases[:, knots], bases[:, first] = self.pitch * (angle * moved), self.pitch * half * moved
         turns = self.cogs * self.screw_turns(unknowns, number)
         travel = self.travel_per_volt(unknowns) * moved
         bases[:, effects:first] = drive_bases(unknowns.effects, run.drives, turns, travel).T
+        thread = sorted(THREAD)
+        if unknowns.effects[thread].any():
+            waves = thread_waves(run.screw, self.screw_turns(unknowns, number))
+            bases[:, [effects + place for place in thread]] = waves
         state = unknowns.initial_conditions[number, INITIAL_CONDITION.index("q2") :]
         changes = FACTOR_CHANGE * np.eye(len(MODEL_FACTORS))[1 : 1 + len(changed)]
         places = (*changed, *range(count, columns))
@@ -268,23 +281,6 @@ class WindowModel:
         """Return the speed of the screw for a volt [m/(V s)]; the motor settles in milliseconds."""
         gain = float_exponential(float(unknowns.factors[FACTORS.index("gain")]))
         return self.pitch * gain / self._model.motor.back_emf_constant
-
-    def _write_play_bases(
-        self, bases: FloatArray, number: int, unknowns: Unknowns, run: StretchResponse
-    ) -> None:
-        """Write how the gap at each knot moves the screw's end, shape (blocks, knots)."""
-        begins = self.stretches[number].first
-        times = (begins + run.sample) / self.sampling_rate
-        places = (times - self.knots[0]) / (self.knots[1] - self.knots[0])
-        before = np.minimum(places.astype(np.int64), self.knots.size - 2)
-        per_gap, blocks = -0.5 * self.pitch * run.side, np.arange(times.size)
-        later = per_gap * (places - before)
-        bases[blocks, before], bases[blocks, before + 1] = per_gap - later, later
-        # The motor begins at its place in the gap.
-        share = float(unknowns.initial_conditions[number, 0])
-        initial = self.weights(np.array([begins / self.sampling_rate]))[:, 0]
-        for knot in np.flatnonzero(initial).tolist():
-            bases[:, knot] += 0.5 * self.pitch * share * initial[knot] * np.abs(run.side)
 
     def _by_blocks(self, factors: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the structure's model from block to block."""

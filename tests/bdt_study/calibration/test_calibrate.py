@@ -296,6 +296,15 @@ def test_a_payload_is_found_with_the_stiffness_beside_it(
     assert "structure.top_mass_ratio" not in result.constants
 
 
+def test_a_thread_that_is_off_is_found_with_its_amplitude(tmp_path, start, result):
+    found = calibration_of(replace(MACHINE, thread_error=1e-6), tmp_path, start)
+    check_found(found.constants["lead_screw.thread_error"], 1e-6, 5e-8)
+    assert abs(found.gap - GAP) < math.radians(0.1)
+    written = calibrated_configuration(None, model_values(found.start), found.constants)
+    assert written["plant"]["lead_screw.thread_error"] == pytest.approx(1e-6, abs=5e-8)
+    assert "lead_screw.thread_error" not in result.constants
+
+
 @pytest.mark.parametrize("delay", [0.5e-3, 1.5e-3])
 def test_steps_that_are_all_alike_hardly_tell_a_gap_from_a_late_reading(tmp_path, start, delay):
     """The gap was off by 0.65 deg with 0.26 deg stated, where its fit came to a flat valley."""

@@ -46,6 +46,8 @@ LARGEST_UNCERTAINTY = {
     "yield_angle": 2e-3,
     "voltage_lag": 2.5e-4,
     "top_mass": 0.02,
+    "thread_sine": 2e-7,
+    "thread_cosine": 2e-7,
     "gap": math.radians(1.0),
 }
 """Standard uncertainties above which data have not determined something: of logarithms of the
@@ -69,6 +71,8 @@ MOTION_OF = {
     "yield_angle": "slow reversals, with rests",
     "voltage_lag": "quick reversals, before anything has come to rest",
     "top_mass": "steps that make both modes of the structure ring",
+    "thread_sine": "slow motion over some turns of the screw",
+    "thread_cosine": "slow motion over some turns of the screw",
     "gap": "reversals of the motor, each beyond the gap",
 }
 """Motion that would tell what the data do not."""

@@ -4,8 +4,9 @@ The estimator's own fit is used with a prior so wide that it says nothing.
 """
 
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +21,11 @@ from bdt_study.calibration.machine_search import fit_from_any_gap, search_beginn
 from bdt_study.calibration.motor_lag import without_early_reading
 from bdt_study.calibration.prior_knowledge import (
     HELD_SPREAD,
+    JOINING_EFFECTS,
     is_plausible,
     wide_knowledge,
 )
-from bdt_study.calibration.top_mass_search import top_mass_fit
+from bdt_study.calibration.trial_search import trial_fit
 from bdt_study.calibration.whole_fit import (
     FINE,
     fit_machine_noise,
@@ -31,9 +33,10 @@ from bdt_study.calibration.whole_fit import (
     fit_whole,
 )
 from bdt_study.calibration.yielding_search import yielding_fit
+from bdt_twin.effect_trials import OTHER_TOP_MASS, THREAD_ERROR
 from bdt_twin.fit_result import Fit
 from bdt_twin.gap_doubt import yielding_doubt
-from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
+from bdt_twin.machine_knowledge import EFFECTS, THREAD_PARTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS, model_with
 from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.unknowns import Unknowns
@@ -51,6 +54,15 @@ FAR = 0.5
 """Change of a factor's logarithm after which a fit begins again, about the model that it found."""
 MOST_BEGINNINGS = 3
 """Largest number of such beginnings."""
+
+TRIALS = (("top_mass", OTHER_TOP_MASS), (THREAD_PARTS[0], THREAD_ERROR))
+"""Effects that a fit does not find that begins without any, and how they are tried."""
+Search = Callable[[CalibrationWindow, Fit, MachineKnowledge], Fit | None]
+SEARCHES: tuple[tuple[str, Search], ...] = (
+    *((name, partial(trial_fit, trial=trial)) for name, trial in TRIALS),
+    ("yield_angle", yielding_fit),
+)
+"""Searches with all data for what no window has found."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,8 +163,9 @@ def _identify_near(
     joined = () if followed is None else followed.joined
     known = _known(model, joined, expected)
     problem = WindowFit(window, SETTINGS.growth_change, known)
-    if "top_mass" in joined:
-        start = start.with_other_top_mass()
+    for name, trial in TRIALS:
+        if name in joined and not start.effects[list(trial.places)].any():
+            start = trial.begun(start)
     # Windows that are too short for the machine may have led astray.
     beginnings = [start] if followed is None else [start, followed.on(window)]
     fits = [fit_whole(problem, beginning) for beginning in beginnings]
@@ -162,9 +175,9 @@ def _identify_near(
         fits.append(fit_machine_noise(problem, other))
     likely = [each for each in fits if is_plausible(each, known)]
     fit = min(likely or fits, key=lambda each: each.prediction_error)
-    for name, search in (("top_mass", top_mass_fit), ("yield_angle", yielding_fit)):
+    for name, search in SEARCHES:
         if name not in joined:
-            with_it = (*joined, name)
+            with_it = (*joined, *next(group for group in JOINING_EFFECTS if name in group))
             found = search(window, fit, _known(model, with_it, expected))
             if found is not None:
                 fit, joined = found, with_it

@@ -7,7 +7,7 @@ keeps its start value, and the others are stated for this value, with its doubt.
 """
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from bdt_plant.plant import PlantModel
@@ -16,7 +16,7 @@ from bdt_study.calibration.finding import LARGEST_UNCERTAINTY, Finding, structur
 from bdt_study.calibration.identification import Identification
 from bdt_study.calibration.motor_lag import SMALLEST_LAG, motor_lag, with_lag
 from bdt_study.calibration.start_values import model_values
-from bdt_twin.machine_knowledge import COGGING_PARTS, USUAL_STRIBECK_SPEED
+from bdt_twin.machine_knowledge import COGGING_PARTS, THREAD_PARTS, USUAL_STRIBECK_SPEED
 
 TORQUE_OF_A_VOLT = ("motor.torque_constant", "motor.resistance")
 """Constants on which it depends what torque a voltage is."""
@@ -124,6 +124,8 @@ def machine_constants(
         )
     if COGGING_PARTS[0] in found.joined:
         constants |= _cogging(finding, found.window.cogs, per_volt, doubt)
+    if THREAD_PARTS[0] in found.joined:
+        constants["lead_screw.thread_error"] = _thread_error(finding)
     return constants | _ratio_constants(start, found, finding, (response, late))
 
 
@@ -165,13 +167,28 @@ def _cogging(
     for name in COGGING_PARTS:
         if not finding.determined[name]:
             return {"motor.cogging_torque": _torque(finding, name, 0.0, max(spreads), doubt)}
-    parts = [finding.values[name] * per_volt for name in COGGING_PARTS]
-    torque = math.hypot(*parts)
-    own = math.hypot(*(a * b for a, b in zip(parts, spreads, strict=True))) / torque
+    torque, own = (per_volt * size for size in _amplitude(finding, COGGING_PARTS))
     return {
         "motor.cogging_torque": _torque(finding, COGGING_PARTS[0], torque, own, doubt),
         "motor.cogging_periods": finding.constant(COGGING_PARTS[0], cogs, "", 0.0),
     }
+
+
+def _thread_error(finding: Finding) -> Constant:
+    """Return the amplitude of the error of the screw's thread [m]."""
+    for name in THREAD_PARTS:
+        if not finding.determined[name]:
+            return finding.constant(name, 0.0, "m", finding.deviations[name])
+    size, own = _amplitude(finding, THREAD_PARTS)
+    return finding.constant(THREAD_PARTS[0], size, "m", own)
+
+
+def _amplitude(finding: Finding, parts: Sequence[str]) -> tuple[float, float]:
+    """Return the amplitude of a wave of two parts, and its standard uncertainty."""
+    sizes = [finding.values[name] for name in parts]
+    amplitude = math.hypot(*sizes)
+    weighted = [size * finding.deviations[name] for size, name in zip(sizes, parts, strict=True)]
+    return amplitude, math.hypot(*weighted) / amplitude
 
 
 def _ratio_constants(

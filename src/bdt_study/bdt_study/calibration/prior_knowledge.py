@@ -9,9 +9,11 @@ from bdt_twin.machine_knowledge import (
     COGGING_PARTS,
     EFFECTS,
     FRICTION_CHANGES,
+    THREAD_PARTS,
     MachineKnowledge,
     independent_knowledge,
 )
+from bdt_twin.machine_knowledge import EFFECT_SPREAD as TWIN_SPREAD
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import SMALLEST_NOISE
 
@@ -26,10 +28,23 @@ JOINING_EFFECTS = (
     ("yield_angle",),
     ("voltage_lag",),
     ("top_mass",),
+    THREAD_PARTS,
 )
 """Those that one looks for if windows of the data give evidence of one of their group."""
-EFFECT_SPREAD = (1.0, 0.2, 2e-3, 1e-5, 0.5, 0.5, 5e-3, 0.1, 0.1, 5e-3, 20.0, 0.02, 2e-3, 0.5)
-"""Prior standard deviations of ``EFFECTS``, in their units."""
+_EFFECT_SPREAD = {
+    "friction_voltage": 1.0,
+    "voltage_offset": 0.2,
+    "delay": 2e-3,
+    "drift": 1e-5,
+    "excess_voltage": 0.5,
+    **dict.fromkeys(COGGING_PARTS, 0.1),
+    "top_mass": 0.5,
+    **dict.fromkeys(THREAD_PARTS, 1e-5),
+}
+EFFECT_SPREAD = tuple(
+    _EFFECT_SPREAD.get(name, spread) for name, spread in zip(EFFECTS, TWIN_SPREAD, strict=True)
+)
+"""Prior standard deviations of ``EFFECTS``: those of the twin, or larger ones."""
 _ABSENT = 1e-9
 _HELD = (1e-7, 1e-7, 1e-7, 1e-7, 1e-7, 1e-9, 1e-12)
 HELD_SPREAD = (*_HELD, *(_ABSENT,) * (len(FACTORS) + len(EFFECTS) - len(_HELD)))

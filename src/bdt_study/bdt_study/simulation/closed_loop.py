@@ -246,14 +246,17 @@ def trajectory_of(
     scenario: Scenario, inputs: LoopInputs, signals: tuple[FloatArray, ...], keep: Sequence[str]
 ) -> Trajectory:
     """Return the trajectory out of what acted on the loop and what the kernel wrote."""
-    sampling = scenario.sampling
+    sampling, model = scenario.sampling, scenario.model
     kept: dict[str, FloatArray] = {
         name: signal for name, signal in zip(SIMULATED, signals, strict=True) if name in keep
     }
     if "r" in keep:
         kept["r"] = np.repeat(inputs.references, sampling.samples_per_control_step)
     if "d" in keep:
-        kept["d"] = scenario.model.lead_screw.pitch * signals[SIMULATED.index("theta_d")]
+        theta_d, error = signals[SIMULATED.index("theta_d")], model.screw_mechanics.thread_error
+        kept["d"] = model.lead_screw.pitch * theta_d
+        if error:
+            kept["d"] += error * np.sin(theta_d)
     nothing = np.empty(0)
     return Trajectory(
         _time_axis(scenario.samples, sampling.sampling_rate),
