@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from bdt_plant.amplifier_lag import AmplifierLag
 from bdt_plant.cogging import CoggingParameters
 from bdt_plant.compiled_period import compiled_period_of
 from bdt_plant.gap_profile import GapProfile
@@ -39,6 +40,7 @@ EVERYTHING = PlantModel(
     screw_mechanics=ScrewMechanics(0.4, 1e6, 1e-5),
     beams=BeamParameters(2e6),
     pushes=PushParameters(2.0, 0.05, 0.1, 2),
+    amplifier=AmplifierLag(2e-3),
 )
 EFFECTS = {
     "stribeck": PlantModel(
@@ -53,6 +55,7 @@ EFFECTS = {
     "thread": PlantModel(screw_mechanics=ScrewMechanics(thread_error=1e-5)),
     "stiffening beams": PlantModel(beams=BeamParameters(5e8)),
     "pushes": PlantModel(pushes=PushParameters(2.0, 0.05, 0.1, 3)),
+    "lag": PlantModel(amplifier=AmplifierLag(1.5e-3)),
     "everything": EVERYTHING,
 }
 
@@ -74,14 +77,16 @@ def brute_force(model, gap):
     excess = max(friction.static_friction - coulomb, 0.0)
     eta, k_d, k_3 = screw.efficiency, screw.stiffness, model.beams.cubic_stiffness
     cogging, push, steps = model.cogging, model.pushes, round(1 / RATE / FINE)
-    i = w = theta = theta_d = q1 = v1 = q2 = v2 = q3 = v3 = 0.0
+    gone = -math.expm1(-FINE / model.amplifier.lag) if model.amplifier.lag else 1.0
+    u = i = w = theta = theta_d = q1 = v1 = q2 = v2 = q3 = v3 = 0.0
     positions = []
     for sample in range(len(VOLTAGES) * HOLD):
-        u, time = VOLTAGES[sample // HOLD], sample / RATE + 1e-9
+        command, time = VOLTAGES[sample // HOLD], sample / RATE + 1e-9
         force = 0.0
         if push.force and time > push.period and time % push.period < push.duration:
             force = push.force * (1 if time // push.period % 2 else -1)
         for _ in range(steps):
+            u += gone * (command - u)
             size = coulomb + excess * math.exp(-((w / friction.stribeck_speed) ** 2))
             ahead, back = size * (1 + asymmetry), size * (1 - asymmetry)
             d_before = PITCH * theta_d + screw.thread_error * math.sin(theta_d)

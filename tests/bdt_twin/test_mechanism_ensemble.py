@@ -96,6 +96,15 @@ def test_constants_that_are_tied_together_are_drawn_together():
     np.testing.assert_allclose(frictions - 0.5, 2.0 * offsets, atol=1e-6)
 
 
+@pytest.mark.parametrize("late", [{"delay": 4e-3}, {"voltage_lag": 4e-3}])
+def test_a_loop_is_late_by_its_voltage_as_by_its_reading(late):
+    expected = KNOWN.expected.copy()
+    for name, time in late.items():
+        expected[len(FACTORS) + EFFECTS.index(name)] = time
+    (member,) = ensemble(1).draw(ESTIMATE, KNOWN._replace(expected=expected), 10.0, 10.0)
+    assert member.lag == round(4e-3 * HOLD * RATE)
+
+
 def test_the_same_seed_draws_the_same_mechanisms():
     first, again = (ensemble(5).draw(ESTIMATE, KNOWN, 12.0, 14.0) for _ in range(2))
     assert first == again

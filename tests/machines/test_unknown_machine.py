@@ -10,6 +10,7 @@ from scipy.signal import lsim
 from unknown_machine import PITCH, RunningMachine, UnknownMachine
 
 from bdt_plant.actuator import ActuatorParameters
+from bdt_plant.amplifier_lag import AmplifierLag
 from bdt_plant.cogging import CoggingParameters
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.motor import MotorParameters
@@ -23,8 +24,10 @@ from bdt_study.simulation.closed_loop import Scenario, simulate
 
 DURATION = 12.0
 GAP = math.radians(12.0)
-LEAD, LEAD_OF_ELASTIC = 4e-5, 6e-5
-"""Time by which the independent machine is ahead, rigid and behind an elastic screw [s]."""
+LEAD = 4e-5
+"""Time by which the independent machine is ahead [s]."""
+MORE_LEAD = {"screw_stiffness": 2e-5, "amplifier_lag": 1e-5}
+"""What it is more with an elastic screw and with a voltage that is integrated, too [s]."""
 LIKENESS = 2e-7
 """Distance of both [m], in motions of 16 mm."""
 QUIET = UnknownMachine(noise=0.0, quantum=0.0)
@@ -77,6 +80,11 @@ EFFECTS = {
         {},
     ),
     "stiffening beams": ({"cubic_stiffness": 2e6}, {"beams": BeamParameters(2e6)}, {}),
+    "amplifier that lags": (
+        {"coulomb_friction": FRICTION, "amplifier_lag": 2e-3},
+        {"motor": frictional(), "amplifier": AmplifierLag(2e-3)},
+        {},
+    ),
     "amplifier": (
         {"amplifier_gain": 1.02, "amplifier_offset": 0.05},
         {},
@@ -106,7 +114,7 @@ def test_the_same_voltages_move_both_alike(name):
     scenario = Scenario(DURATION, gap=gap, dead_zone=1.2 * PITCH * GAP, model=PlantModel(**parts))
     loop = simulate(replace(scenario, **around), ("u", "measured"))
     found, without = (readings(each, loop.u) for each in (replace(QUIET, **constants), QUIET))
-    lead = LEAD_OF_ELASTIC if "screw_stiffness" in constants else LEAD
+    lead = LEAD + sum(MORE_LEAD.get(name, 0.0) for name in constants)
     late = np.interp(loop.t - lead, loop.t, found)
     assert np.abs(late - loop.measured).max() < LIKENESS
     if constants:

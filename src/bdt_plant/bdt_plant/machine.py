@@ -10,6 +10,7 @@ through a rigid screw, which is that of the beginning.
 
 from typing import NamedTuple
 
+from bdt_plant.amplifier_lag import DiscreteLag, discretize_lag
 from bdt_plant.cogging import Cogging, cogging_current, cogging_of
 from bdt_plant.lead_screw import contact_side, play, screw_end
 from bdt_plant.motor import MotorState
@@ -56,6 +57,8 @@ class DiscreteMachine(NamedTuple):
         Half of a step [s].
     thread_error : float
         Amplitude of the error of the screw's thread [m]; 0 for none.
+    lag : DiscreteLag
+        How late the amplifier is.
     """
 
     sub_steps: int
@@ -68,6 +71,7 @@ class DiscreteMachine(NamedTuple):
     pitch: float
     half_step: float
     thread_error: float
+    lag: DiscreteLag
 
 
 class MachineState(NamedTuple):
@@ -85,6 +89,8 @@ class MachineState(NamedTuple):
         Platforms 1 to 3.
     sample : int
         Number of the sample, which pushes depend on.
+    voltage : float
+        Voltage of the motor [V].
     """
 
     motor: MotorState
@@ -92,10 +98,11 @@ class MachineState(NamedTuple):
     contact: int
     structure: TowerState
     sample: int
+    voltage: float
 
 
 MACHINE_AT_REST = MachineState(
-    MotorState(0.0, 0.0, 0.0), 0.0, 0, TowerState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0
+    MotorState(0.0, 0.0, 0.0), 0.0, 0, TowerState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0, 0.0
 )
 """Everything at zero, the motor in the middle of the gap."""
 
@@ -115,6 +122,7 @@ def discretize_machine(model: PlantModel, sampling: Sampling) -> DiscreteMachine
         pitch,
         0.5 * step_time,
         float(model.screw_mechanics.thread_error),
+        discretize_lag(model.amplifier, step_time),
     )
 
 
@@ -128,24 +136,25 @@ def machine_step(
     state : MachineState
         State at the beginning of the sample.
     voltage : float
-        Motor voltage u [V], held over the sample.
+        Voltage that the amplifier is told to give [V], held over the sample.
     gap : float
         Backlash gap theta_b [rad] at the end of the sample.
     step : DiscreteMachine
         From :func:`discretize_machine`.
     """
-    motor, theta_d, contact, tower, sample = state
+    motor, theta_d, contact, tower, sample, applied = state
     push = push_force(sample, step.pushes)
     push_2, push_3 = (push, 0.0) if step.pushes.platform == 2 else (0.0, push)
     after = screw_end(theta_d, step.pitch, step.thread_error)
     for _ in range(step.sub_steps):
-        before = after
-        motor = _motor_step(motor, voltage, before, contact, gap, tower, step)
+        before, off = after, applied - voltage
+        applied, mean = voltage + step.lag.kept * off, voltage + step.lag.mean * off
+        motor = _motor_step(motor, mean, before, contact, gap, tower, step)
         theta_d = play(theta_d, motor.angle, gap)
         contact = contact_side(theta_d, motor.angle, gap)
         after = screw_end(theta_d, step.pitch, step.thread_error)
         tower = tower_step(tower, before, after, push_2, push_3, step.tower)
-    return MachineState(motor, theta_d, contact, tower, sample + 1)
+    return MachineState(motor, theta_d, contact, tower, sample + 1, applied)
 
 
 def _motor_step(

@@ -1,6 +1,7 @@
 """Parameters of the plant node: which dataclass declares which names."""
 
 from bdt_plant.actuator import ActuatorParameters
+from bdt_plant.amplifier_lag import AmplifierLag
 from bdt_plant.cogging import CoggingParameters
 from bdt_plant.gap_profile import GapProfile
 from bdt_plant.lead_screw import LeadScrewParameters
@@ -24,6 +25,7 @@ MECHANISM = (
     ("lead_screw", ScrewMechanics),
     ("structure", BeamParameters),
     ("push", PushParameters),
+    ("actuator", AmplifierLag),
 )
 """Those of a :class:`bdt_plant.plant.PlantModel`, in its order."""
 

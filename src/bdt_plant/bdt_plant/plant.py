@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_msgs_py.quantities import quantity, validate
+from bdt_plant.amplifier_lag import AmplifierLag
 from bdt_plant.cogging import CoggingParameters
 from bdt_plant.friction import DiscreteFriction, discretize_friction, frictional_motor_step
 from bdt_plant.lead_screw import LeadScrewParameters, contact_side, play
@@ -84,6 +85,7 @@ class PlantModel:
     screw_mechanics: ScrewMechanics = field(default_factory=ScrewMechanics)
     beams: BeamParameters = field(default_factory=BeamParameters)
     pushes: PushParameters = field(default_factory=PushParameters)
+    amplifier: AmplifierLag = field(default_factory=AmplifierLag)
 
     @property
     def is_piecewise_linear(self) -> bool:
@@ -99,6 +101,7 @@ class PlantModel:
             or self.screw_mechanics.thread_error
             or self.beams.cubic_stiffness
             or self.pushes.force
+            or self.amplifier.lag
         )
 
 

@@ -13,7 +13,7 @@ from bdt_plant.structure import StructureState
 
 Floats = tuple[float, ...]
 UnnamedPlant = tuple[Floats, float, int, Floats]
-UnnamedMachine = tuple[Floats, float, int, Floats, int]
+UnnamedMachine = tuple[Floats, float, int, Floats, int, float]
 
 
 def unnamed_plant(state: PlantState) -> UnnamedPlant:
@@ -29,10 +29,12 @@ def named_plant(state: UnnamedPlant) -> PlantState:
 
 def unnamed_machine(state: MachineState) -> UnnamedMachine:
     """Return a state of a mechanism that is not linear without names; compiled into loops."""
-    return state.motor[:], state.theta_d, state.contact, state.structure[:], state.sample
+    motor, tower = state.motor[:], state.structure[:]
+    return motor, state.theta_d, state.contact, tower, state.sample, state.voltage
 
 
 def named_machine(state: UnnamedMachine) -> MachineState:
     """Return what :func:`unnamed_machine` was given."""
-    motor, theta_d, contact, tower, sample = state
-    return MachineState(MotorState(*motor), theta_d, contact, TowerState(*tower), sample)
+    motor, theta_d, contact, tower, sample, voltage = state
+    structure = TowerState(*tower)
+    return MachineState(MotorState(*motor), theta_d, contact, structure, sample, voltage)

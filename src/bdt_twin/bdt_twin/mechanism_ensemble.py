@@ -84,7 +84,7 @@ class MechanismEnsemble:
     def _machine(
         self, estimate: Estimate, machine: MachineKnowledge | None, draw: FloatArray
     ) -> tuple[PlantModel, float, float]:
-        """Return model, voltage that is not taken back [V], and age of a reading [s]."""
+        """Return model, voltage that is not taken back [V], and by how much a loop is late [s]."""
         if machine is None:
             factors = np.zeros(len(MODEL_FACTORS))
             factors[FACTORS.index("gain")] = math.log(estimate.gain_correction)
@@ -102,7 +102,9 @@ class MechanismEnsemble:
         friction = max(effects["friction_voltage"], 0.0) * motor.torque_constant / motor.resistance
         motor = type(motor)(**vars(motor) | {"coulomb_friction": friction})
         model = PlantModel(motor, model.lead_screw, model.structure)
-        return model, effects["voltage_offset"] - expected["voltage_offset"], effects["delay"]
+        disturbance = effects["voltage_offset"] - expected["voltage_offset"]
+        # To a loop, a late voltage is the same as a late reading.
+        return model, disturbance, effects["delay"] + effects["voltage_lag"]
 
 
 def _gap(estimate: Estimate, at: float, draw: float, growth_draw: float) -> float:

@@ -296,6 +296,25 @@ def test_a_payload_is_found_with_the_stiffness_beside_it(
     assert "structure.top_mass_ratio" not in result.constants
 
 
+def test_an_amplifier_that_lags_is_one_of_the_plant(tmp_path, start, result):
+    run = Run(36.0, first_gap=GAP, last_gap=GAP, step_time=3.0)
+    rows = record(replace(MACHINE, amplifier_lag=1.5e-3), run).rows
+    found = calibrate(bag_of(tmp_path / "bag", rows), read_configuration(start))
+    check_found(found.constants["actuator.lag"], 1.5e-3, 1e-4)
+    check_found(found.constants["sensor.delay"], MACHINE.delay, 1e-4)
+    assert abs(found.gap - GAP) < math.radians(0.1)
+    written = calibrated_configuration(None, model_values(found.start), found.constants)
+    assert written["plant"]["actuator.lag"] == pytest.approx(1.5e-3, abs=1e-4)
+    assert "actuator.lag" not in result.constants
+
+
+def test_readings_that_are_late_are_not_taken_for_a_late_voltage(tmp_path, start):
+    """A window of the commissioning run was: neither of both was told then."""
+    found = calibration_of(replace(MACHINE, delay=1.5e-3), tmp_path, start)
+    check_found(found.constants["sensor.delay"], 1.5e-3, 1e-4)
+    assert "actuator.lag" not in found.constants
+
+
 def test_a_thread_that_is_off_is_found_with_its_amplitude(tmp_path, start, result):
     found = calibration_of(replace(MACHINE, thread_error=1e-6), tmp_path, start)
     check_found(found.constants["lead_screw.thread_error"], 1e-6, 5e-8)

@@ -36,6 +36,9 @@ def sizes_of(scenario):
         "periodic_error": scenario.sensor.periodic_error,
         "offset": abs(scenario.actuator.offset),
         "resolution": scenario.actuator.resolution,
+        "payload": model.structure.top_mass_ratio - 1.0,
+        "lag": model.amplifier.lag,
+        "thread_error": model.screw_mechanics.thread_error,
         "gain_error": error("motor", "back_emf_constant"),
         "resistance_error": error("motor", "resistance"),
         "mechanics_error": max(error("structure", "mass"), error("structure", "stiffness")),
@@ -47,7 +50,7 @@ def sizes_of(scenario):
     }
 
 
-@pytest.mark.parametrize("name", ["friction", "stribeck", "everyday", "unknown_machine"])
+@pytest.mark.parametrize("name", ["friction", "stribeck", "payload", "everyday", "unknown_machine"])
 def test_each_size_is_drawn_evenly_up_to_the_largest(name):
     effects = BY_NAME[name].effects
     drawn = [sizes_of(with_effects(Scenario(), effects, seed)) for seed in SEEDS]
@@ -75,6 +78,9 @@ def test_each_size_is_drawn_evenly_up_to_the_largest(name):
         ("pushes", "push"),
         ("drift", "drift"),
         ("amplifier_offset", "offset"),
+        ("late_voltage", "lag"),
+        ("thread", "thread_error"),
+        ("payload", "payload"),
     ],
 )
 def test_a_case_of_one_effect_has_that_alone(name, effect):
@@ -97,7 +103,9 @@ def test_errors_that_have_a_sign_have_either():
 
 def test_another_effect_does_not_move_those_that_are_there():
     some = MachineEffects(friction=0.04, offset=0.05)
-    more = replace(some, cogging=3e-3, stribeck=0.6, push=2.0)
+    more = replace(
+        some, cogging=3e-3, stribeck=0.6, push=2.0, payload=0.5, lag=1e-3, thread_error=2e-6
+    )
     one, other = (sizes_of(with_effects(Scenario(), each, 3)) for each in (some, more))
     assert one["friction"] == other["friction"]
     assert one["offset"] == other["offset"]
@@ -108,7 +116,7 @@ def test_without_effects_a_scenario_stays_as_it_is():
     assert with_effects(scenario, NO_EFFECTS, 3) is scenario
 
 
-def test_the_cases_of_the_issue_are_there():
+def test_each_machine_that_nobody_described_is_a_case():
     assert [case.name for case in CASES if case.effects != NO_EFFECTS] == [
         "friction",
         "stribeck",
@@ -118,6 +126,9 @@ def test_the_cases_of_the_issue_are_there():
         "pushes",
         "drift",
         "amplifier_offset",
+        "late_voltage",
+        "thread",
+        "payload",
         "everyday",
         "unknown_machine",
     ]

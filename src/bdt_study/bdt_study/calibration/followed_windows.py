@@ -14,7 +14,7 @@ from bdt_plant.plant import PlantModel
 from bdt_study.calibration.calibration_window import CalibrationWindow
 from bdt_study.calibration.fitted_data import Data
 from bdt_study.calibration.prior_knowledge import CALIBRATED_EFFECTS, JOINING_EFFECTS
-from bdt_twin.machine_knowledge import EFFECTS
+from bdt_twin.machine_knowledge import EFFECTS, VOLTAGE_LAG
 from bdt_twin.output_error import OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.unknowns import Unknowns
@@ -81,13 +81,19 @@ def follow_windows(model: PlantModel, data: Data) -> FollowedMachine | None:
     if last is None or kept is None:
         return None
     joined = tuple(
-        name for group in JOINING_EFFECTS if not kept.present.isdisjoint(group) for name in group
+        name
+        for group in JOINING_EFFECTS
+        if "voltage_lag" not in group and not kept.present.isdisjoint(group)
+        for name in group
     )
     effects = np.where(
-        [name in (*CALIBRATED_EFFECTS, *joined) for name in EFFECTS],
+        [name in (*CALIBRATED_EFFECTS, *joined, "voltage_lag") for name in EFFECTS],
         last.fit.unknowns.effects,
         0.0,
     )
+    # All data have to tell a late voltage from a late reading: one window is easily wrong about it.
+    effects[EFFECTS.index("delay")] += effects[VOLTAGE_LAG]
+    effects[VOLTAGE_LAG] = 0.0
     times = np.array(sorted(told))
     gaps = np.array([told[time] for time in times.tolist()])
     return FollowedMachine(last.fit.unknowns.factors, effects, times, gaps, joined, kept.cogs)

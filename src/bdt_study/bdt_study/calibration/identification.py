@@ -33,7 +33,7 @@ from bdt_study.calibration.whole_fit import (
     fit_whole,
 )
 from bdt_study.calibration.yielding_search import yielding_fit
-from bdt_twin.effect_trials import OTHER_TOP_MASS, THREAD_ERROR
+from bdt_twin.effect_trials import LATE_VOLTAGE, OTHER_TOP_MASS, THREAD_ERROR
 from bdt_twin.fit_result import Fit
 from bdt_twin.gap_doubt import yielding_doubt
 from bdt_twin.machine_knowledge import EFFECTS, THREAD_PARTS, MachineKnowledge
@@ -55,11 +55,12 @@ FAR = 0.5
 MOST_BEGINNINGS = 3
 """Largest number of such beginnings."""
 
-TRIALS = (("top_mass", OTHER_TOP_MASS), (THREAD_PARTS[0], THREAD_ERROR))
+TRIALS = {"top_mass": OTHER_TOP_MASS, THREAD_PARTS[0]: THREAD_ERROR}
 """Effects that a fit does not find that begins without any, and how they are tried."""
 Search = Callable[[CalibrationWindow, Fit, MachineKnowledge], Fit | None]
 SEARCHES: tuple[tuple[str, Search], ...] = (
-    *((name, partial(trial_fit, trial=trial)) for name, trial in TRIALS),
+    ("voltage_lag", partial(trial_fit, trial=LATE_VOLTAGE)),
+    *((name, partial(trial_fit, trial=trial)) for name, trial in TRIALS.items()),
     ("yield_angle", yielding_fit),
 )
 """Searches with all data for what no window has found."""
@@ -163,7 +164,7 @@ def _identify_near(
     joined = () if followed is None else followed.joined
     known = _known(model, joined, expected)
     problem = WindowFit(window, SETTINGS.growth_change, known)
-    for name, trial in TRIALS:
+    for name, trial in TRIALS.items():
         if name in joined and not start.effects[list(trial.places)].any():
             start = trial.begun(start)
     # Windows that are too short for the machine may have led astray.

@@ -28,7 +28,6 @@ RATIOS = (
     ("friction_growth", "1/s"),
     ("friction_slope", "1/m"),
     ("yield_angle", "rad"),
-    ("voltage_lag", "s"),
 )
 """Effects that the data tell by themselves where the machine has them, and their units."""
 COVERAGE = 2.0
@@ -124,6 +123,10 @@ def machine_constants(
         )
     if COGGING_PARTS[0] in found.joined:
         constants |= _cogging(finding, found.window.cogs, per_volt, doubt)
+    if "voltage_lag" in found.joined:
+        constants["actuator.lag"] = finding.constant(
+            "voltage_lag", value["voltage_lag"], "s", deviation["voltage_lag"]
+        )
     if THREAD_PARTS[0] in found.joined:
         constants["lead_screw.thread_error"] = _thread_error(finding)
     return constants | _ratio_constants(start, found, finding, (response, late))

@@ -15,7 +15,7 @@ from bdt_twin.output_error_fit import WindowFit
 def trial_fit(
     window: CalibrationWindow, fit: Fit, known: MachineKnowledge, trial: EffectTrial
 ) -> Fit | None:
-    """Return the fit with an effect; None if the given one explains the data as well.
+    """Return the fit with an effect; None where the one without explains the data as well.
 
     Parameters
     ----------
@@ -28,6 +28,8 @@ def trial_fit(
     trial : EffectTrial
         How it is tried.
     """
+    if not trial.is_possible(fit.machine):
+        return None
     problem = WindowFit(window, SETTINGS.growth_change, known)
     begun = replace(fit, unknowns=trial.begun(fit.unknowns), levels=quiet(fit.levels))
     found = fit_machine_noise(problem, fit_machine_noise(problem, begun))

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bdt_plant.actuator import ActuatorParameters
+from bdt_plant.amplifier_lag import AmplifierLag
 from bdt_plant.cogging import CoggingParameters
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel
@@ -54,6 +55,12 @@ class MachineEffects:
         Offset of the amplifier [V], of either sign.
     resolution : float
         Step between two voltages [V], which is not drawn.
+    payload : float
+        Mass on the top platform, as a fraction of the platform's.
+    lag : float
+        Time constant with which the amplifier follows its command [s].
+    thread_error : float
+        Error of the screw's travel that repeats with each turn [m].
     gain_error, resistance_error, mechanics_error, damping_error : float
         Deviation of k_B, of R, of m and k, and of c, as fractions of either sign.
     """
@@ -72,6 +79,9 @@ class MachineEffects:
     periodic_error: float = 0.0
     offset: float = 0.0
     resolution: float = 0.0
+    payload: float = 0.0
+    lag: float = 0.0
+    thread_error: float = 0.0
     gain_error: float = 0.0
     resistance_error: float = 0.0
     mechanics_error: float = 0.0
@@ -131,12 +141,16 @@ def with_effects(scenario: Scenario, effects: MachineEffects, seed: int) -> Scen
     # Each is drawn whether it is used or not: an effect does not move the others.
     draws = Draws(np.random.default_rng((seed, STREAM)), effects.least)
     model = _draw_mechanism(scenario.model, effects, draws)
-    return replace(
-        scenario,
-        model=replace(model, pushes=_draw_pushes(effects, draws, seed)),
-        sensor=_draw_sensor(scenario.sensor, effects, draws),
-        actuator=_draw_actuator(scenario.actuator, effects, draws),
+    pushes = _draw_pushes(effects, draws, seed)
+    sensor = _draw_sensor(scenario.sensor, effects, draws)
+    actuator = _draw_actuator(scenario.actuator, effects, draws)
+    laden = replace(model.structure, top_mass_ratio=1.0 + draws.size(effects.payload))
+    screw = replace(model.screw_mechanics, thread_error=draws.size(effects.thread_error))
+    amplifier = AmplifierLag(draws.size(effects.lag))
+    model = replace(
+        model, structure=laden, screw_mechanics=screw, pushes=pushes, amplifier=amplifier
     )
+    return replace(scenario, model=model, sensor=sensor, actuator=actuator)
 
 
 def _draw_mechanism(model: PlantModel, effects: MachineEffects, draws: Draws) -> PlantModel:

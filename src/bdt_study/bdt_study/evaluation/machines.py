@@ -67,6 +67,25 @@ MACHINES = (
         effects=MachineEffects(offset=0.05),
     ),
     replace(
+        MEASURED,
+        name="late_voltage",
+        description="an amplifier that lags by up to 2 ms",
+        effects=MachineEffects(lag=2e-3),
+    ),
+    replace(
+        MEASURED,
+        name="thread",
+        description="a screw whose travel is off by up to 2 um in each turn",
+        effects=MachineEffects(thread_error=2e-6),
+    ),
+    replace(
+        LIMITED,
+        name="payload",
+        description="up to half of the top platform's mass on it",
+        decision="simulate",
+        effects=MachineEffects(payload=0.5),
+    ),
+    replace(
         LIMITED,
         name="everyday",
         description="a bit of everything: workshop.yaml, each effect by half or more",
