@@ -162,6 +162,17 @@ def test_friction_changes_no_further_than_anybody_has_seen_and_never_to_less_tha
         assert (one == other).all()
 
 
+@given(SEEDS, st.floats(-0.1, 0.0))
+def test_friction_that_comes_to_nothing_is_not_known_exactly(seed, growth):
+    """Its change alone told it: a covariance that has no inverse, and a fit that was no number."""
+    known = as_changing(told(seed), growth).projected(LONGEST_TREND)
+    spread = np.sqrt(np.diag(known.covariance))
+    correlations = known.covariance / np.outer(spread, spread)
+    assert abs(correlations[FRICTION, GROWTH]) < 1.0 - 1e-6
+    precision = known.precision() * np.outer(spread, spread)
+    assert precision @ correlations == pytest.approx(np.eye(COUNT), abs=1e-6)
+
+
 def test_constants_walk_with_the_square_root_of_time():
     known = told(2)
     start = np.diag(known.aged(0.0).covariance)

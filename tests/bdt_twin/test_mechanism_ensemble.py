@@ -80,6 +80,17 @@ def test_constants_have_the_covariance_of_the_posterior(monkeypatch):
     assert {one.structure.mass for one in models} == {MODEL.structure.mass}
 
 
+def test_a_payload_is_drawn_as_heavy_as_it_may_be(monkeypatch):
+    monkeypatch.setattr(mechanism_ensemble, "discretize_plant", lambda model, *_: model)
+    expected = KNOWN.expected.copy()
+    expected[len(FACTORS) + TOP_MASS] = math.log(2.9)
+    knowledge = KNOWN._replace(expected=expected)
+    models = [one.plant for one in ensemble(20).draw(ESTIMATE, knowledge, 10.0, 10.0)]
+    ratios = [one.structure.top_mass_ratio for one in models]
+    assert ratios[0] == pytest.approx(2.9)
+    assert max(ratios) == pytest.approx(3.0)
+
+
 def test_constants_that_are_tied_together_are_drawn_together():
     covariance = np.zeros((len(FACTORS) + len(EFFECTS),) * 2)
     offset = len(FACTORS) + EFFECTS.index("voltage_offset")

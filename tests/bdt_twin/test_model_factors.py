@@ -5,7 +5,7 @@ import pytest
 
 from bdt_plant.plant import PlantModel, discretize_plant
 from bdt_plant.structure import StructureParameters, discretize_structure
-from bdt_twin.model_factors import block_model_with, model_with, plant_step_with
+from bdt_twin.model_factors import block_model_with, check_room, model_with, plant_step_with
 
 MODEL, SAMPLE_TIME = PlantModel(), 1e-3
 POINTS = [
@@ -37,6 +37,14 @@ def test_a_machine_carries_what_it_is_said_to_unless_a_factor_tells_otherwise():
     assert model_with(laden, np.zeros(3)) == laden
     changed = model_with(laden, np.log([1.0, 1.0, 1.0, 1.2]))
     assert changed.structure == StructureParameters(top_mass_ratio=1.5 * 1.2)
+
+
+def test_a_constant_that_could_not_be_corrected_is_refused():
+    check_room(MODEL)
+    for ratio, factor in ((0.015, "0.5"), (40.0, "3")):
+        far = PlantModel(structure=StructureParameters(top_mass_ratio=ratio))
+        with pytest.raises(ValueError, match=rf"top_mass_ratio.*also {factor} times as large"):
+            check_room(far)
 
 
 def test_without_factors_the_model_is_as_exact_as_floats_are():

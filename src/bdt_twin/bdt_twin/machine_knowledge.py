@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bdt_plant.elementary_functions import float_logarithm
 from bdt_plant.friction import friction_voltage
 from bdt_plant.motor import MotorParameters
 from bdt_twin.fixed_order import solution
-from bdt_twin.model_factors import FACTORS
+from bdt_twin.model_factors import FACTORS, ROOM
 
 FloatArray = NDArray[np.float64]
 
@@ -68,7 +69,7 @@ _KNOWN = {
     # Time constant with which the amplifier follows its command [s].
     "voltage_lag": Effect(0.0, 0.02, 2e-3, 5e-6),
     # Natural logarithm of the factor on the mass of platform 3, the last of MODEL_FACTORS.
-    "top_mass": Effect(-0.7, 1.1, 0.3, 5e-4),
+    "top_mass": Effect(float_logarithm(ROOM[0]), float_logarithm(ROOM[1]), 0.3, 5e-4),
     # Parts of the error of the screw's thread [m].
     **dict.fromkeys(THREAD_PARTS, Effect(-1e-4, 1e-4, 5e-6, 1e-9)),
 }
@@ -111,6 +112,9 @@ CHANGING = ("friction_voltage", "friction_growth")
 """Friction, and what it changes by in a second."""
 LONGEST_TREND = 60.0
 """Time [s] beyond which friction that has changed is not thought to go on with that."""
+LEAST_GROWN = 0.1
+"""Least share of the doubt about friction that stays, whatever it may have become: of friction that
+has come to nothing its change alone would tell, and exactly."""
 DOUBT = 2.0
 """Factor by which what a window has told is less sure than it has said."""
 
@@ -171,6 +175,7 @@ class MachineKnowledge(NamedTuple):
         grown = grown_friction(float(expected[growth]), time)
         per_growth = _trend(time) * float(expected[friction])
         expected[friction] *= grown
+        grown = max(grown, LEAST_GROWN)
         covariance[friction] = grown * covariance[friction] + per_growth * covariance[growth]
         covariance[:, friction] = (
             grown * covariance[:, friction] + per_growth * covariance[:, growth]

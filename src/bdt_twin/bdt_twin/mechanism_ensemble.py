@@ -9,8 +9,8 @@ from bdt_plant.plant import PlantModel, discretize_plant
 from bdt_plant.quick_exponential import quick_exponential
 from bdt_twin.decision_loop import HOLD, Member
 from bdt_twin.estimator import Estimate
-from bdt_twin.machine_knowledge import EFFECTS, MachineKnowledge
-from bdt_twin.model_factors import FACTORS, MODEL_FACTORS, model_with
+from bdt_twin.machine_knowledge import EFFECT_LIMITS, EFFECTS, TOP_MASS, MachineKnowledge
+from bdt_twin.model_factors import FACTORS, model_with
 
 FloatArray = NDArray[np.float64]
 
@@ -86,18 +86,15 @@ class MechanismEnsemble:
     ) -> tuple[PlantModel, float, float]:
         """Return model, voltage that is not taken back [V], and by how much a loop is late [s]."""
         if machine is None:
-            factors = np.zeros(len(MODEL_FACTORS))
+            factors = np.zeros(len(FACTORS))
             factors[FACTORS.index("gain")] = math.log(estimate.gain_correction)
             return model_with(self._model, factors), 0.0, 0.0
         drawn = machine.expected + _spread(machine.covariance, draw)
         effects = dict(zip(EFFECTS, drawn[len(FACTORS) :].tolist(), strict=True))
         expected = dict(zip(EFFECTS, machine.expected[len(FACTORS) :].tolist(), strict=True))
-        factors = np.clip(
-            np.append(drawn[: len(FACTORS)], effects["top_mass"]),
-            -LARGEST_LOGARITHM,
-            LARGEST_LOGARITHM,
-        )
-        model = model_with(self._model, factors)
+        factors = np.clip(drawn[: len(FACTORS)], -LARGEST_LOGARITHM, LARGEST_LOGARITHM)
+        top_mass = np.clip(effects["top_mass"], *EFFECT_LIMITS[:, TOP_MASS])
+        model = model_with(self._model, np.append(factors, top_mass))
         motor = model.motor
         friction = max(effects["friction_voltage"], 0.0) * motor.torque_constant / motor.resistance
         motor = type(motor)(**vars(motor) | {"coulomb_friction": friction})

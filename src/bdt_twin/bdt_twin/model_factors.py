@@ -30,6 +30,8 @@ for a machine that carries what it is said to carry."""
 FACTOR_GRID = np.array([2e-2, 2e-2, 5e-2, 2.5e-3])
 """Spacing of the natural logarithms of ``MODEL_FACTORS``. The model depends least on the damping.
 The mass divides stiffness and damping: parabolas along the axes miss that in larger steps."""
+ROOM = (0.5, 3.0)
+"""Factors by which a constant may be corrected."""
 MOST_GRIDS, MOST_POINTS = 32, 1024
 """Models, and points of the grid of each, that are remembered."""
 
@@ -56,9 +58,9 @@ def check_room(model: PlantModel) -> None:
     Raises
     ------
     ValueError
-        If a constant that is corrected cannot be half or twice as large.
+        If a constant that is corrected cannot be half or three times as large.
     """
-    for factor in (0.5, 2.0):
+    for factor in ROOM:
         try:
             model_with(model, np.full(len(MODEL_FACTORS), np.log(factor)))
         except ValueError as error:

@@ -32,5 +32,5 @@ def trial_fit(
         return None
     problem = WindowFit(window, SETTINGS.growth_change, known)
     begun = replace(fit, unknowns=trial.begun(fit.unknowns), levels=quiet(fit.levels))
-    found = fit_machine_noise(problem, fit_machine_noise(problem, begun))
-    return found if trial.is_believed(found, fit) else None
+    found = fit_machine_noise(problem, begun)
+    return fit_machine_noise(problem, found) if trial.is_believed(found, fit) else None
