@@ -5,13 +5,14 @@ import pytest
 
 from bdt_plant.motor import MotorParameters
 from bdt_twin.cogging_search import CoggingEvidence
-from bdt_twin.effect_trials import TRIALS
+from bdt_twin.effect_trials import LATE_VOLTAGE, OTHER_TOP_MASS, THREAD_ERROR, TRIALS, TRIED_AGAIN
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import (
     ABSENT,
     COGGING,
     EFFECT_SPREAD,
     EFFECTS,
+    TOP_MASS,
     YIELD_ANGLE,
     MachineKnowledge,
 )
@@ -26,13 +27,16 @@ from bdt_twin.machine_memory import (
     MachineMemory,
 )
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.unknowns import LATE
+from bdt_twin.unknowns import INITIAL_CONDITION, LATE, Unknowns
 
 FRICTION, OFFSET = (len(FACTORS) + EFFECTS.index(name) for name in EFFECTS[:2])
 DELAY = len(FACTORS) + EFFECTS.index("delay")
 COUNT = len(FACTORS) + len(EFFECTS)
 
 
+WITHOUT_EFFECTS = Unknowns(
+    np.ones(2), np.zeros(len(FACTORS)), np.zeros((1, len(INITIAL_CONDITION)))
+)
 NO_EVIDENCE = np.zeros(len(EFFECTS))
 RESTLESS, AT_REST = NoiseLevels(1e-6, slow=1e-4), NoiseLevels(1e-6, slow=1e-7)
 
@@ -202,6 +206,32 @@ def test_what_was_told_without_an_effect_is_forgotten_once_it_is_there(trial):
             assert spread_of(known, place) == pytest.approx(EFFECT_SPREAD[effect])
     assert memory.present.issuperset(trial.places)
     assert trial not in [memory.to_try(RESTLESS, told_late()) for _ in range(9)]
+
+
+def test_what_has_failed_is_tried_at_once_on_a_machine_that_is_another_one():
+    """With a payload and a late voltage the one was not told from the other, and then not tried."""
+    memory = MachineMemory(MotorParameters())
+    for _ in range(9 * TRIED_AGAIN):
+        memory.to_try(RESTLESS, told_late())
+    memory.has_effects(np.zeros(len(EFFECTS)), OTHER_TOP_MASS.places)
+    assert memory.to_try(RESTLESS, told_late()) is LATE_VOLTAGE
+    memory.has_cogging(24)
+    assert memory.to_try(RESTLESS, told_late()) is LATE_VOLTAGE
+
+
+def test_what_a_machine_has_is_never_expected_to_be_nothing_a_fit_would_stay_there():
+    memory, found = MachineMemory(MotorParameters()), np.zeros(len(EFFECTS))
+    found[TOP_MASS] = 0.2
+    memory.has_effects(found, OTHER_TOP_MASS.places)
+    place = len(FACTORS) + TOP_MASS
+    assert memory.before(0.0, 0.0).expected[place] == 0.2
+    memory.has_effects(found, THREAD_ERROR.places)
+    assert memory.before(0.0, 0.0).expected[place] == 0.2, "it is still found"
+    other = memory.with_yield_angle(2e-3).before(0.0, 0.0)
+    for tried in (OTHER_TOP_MASS, THREAD_ERROR):
+        begun = tried.begun(WITHOUT_EFFECTS).effects
+        for each in tried.places:
+            assert other.expected[len(FACTORS) + each] == begun[each]
 
 
 def test_cogging_is_looked_for_where_the_motor_walks_now_and_then():

@@ -33,6 +33,8 @@ THREAD_COVERAGE, LEAST_THREAD_ERROR = 5.0, 1e-7
 """Standard uncertainties by which the thread has to be off, and what is no error of it [m]."""
 FIRST_TOP_MASS, FIRST_THREAD_ERROR = 1e-3, 1e-9
 """With what a trial begins: nothing would have no slope."""
+WITHOUT_SLOPE = {TOP_MASS: FIRST_TOP_MASS, **dict.fromkeys(THREAD, FIRST_THREAD_ERROR)}
+"""What a fit has to begin with to find them, by places in ``EFFECTS``."""
 
 
 class EffectTrial(NamedTuple):
@@ -132,6 +134,24 @@ TRIALS = (LATE_VOLTAGE, OTHER_TOP_MASS, THREAD_ERROR)
 """All of them, the first one first."""
 TRIED = frozenset(place for trial in TRIALS for place in trial.places)
 """Places in ``EFFECTS`` of what is tried."""
+
+
+def of_present(known: MachineKnowledge, present: Collection[int]) -> MachineKnowledge:
+    """Return knowledge of a machine that has some effects only.
+
+    What a fit does not find that begins without any is expected to be a little, not nothing.
+
+    Parameters
+    ----------
+    known : MachineKnowledge
+        What is known, which this may change.
+    present : collection of int
+        Places in ``EFFECTS`` of what it has.
+    """
+    for place in WITHOUT_SLOPE.keys() & present:
+        if known.expected[len(FACTORS) + place] == 0.0:
+            known.expected[len(FACTORS) + place] = WITHOUT_SLOPE[place]
+    return known.without(set(range(len(EFFECTS))) - set(present))
 
 
 class TrialTimes:

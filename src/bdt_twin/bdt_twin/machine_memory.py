@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bdt_plant.motor import MotorParameters
 from bdt_twin.amplifier_offset import VoltageOffset, told_offset
 from bdt_twin.cogging_search import CoggingEvidence
-from bdt_twin.effect_trials import EffectTrial, TrialTimes
+from bdt_twin.effect_trials import TRIED, EffectTrial, TrialTimes, of_present
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import (
     COGGING,
@@ -177,7 +177,7 @@ class MachineMemory:
             if self._known.cogs != self.cogs:
                 new |= COGGING
             known = aged.bounded(known).forgetting(new)
-        return known.without(set(range(len(EFFECTS))) - self._present)
+        return of_present(known, self._present)
 
     def learn(self, time: float, machine: MachineKnowledge) -> None:
         """Remember what a window has told that ended at a time [s]."""
@@ -229,27 +229,24 @@ class MachineMemory:
         return self._trials.due(self._present, machine) if is_restless(levels) else None
 
     def with_effects(self, effects: FloatArray, places: Collection[int]) -> MachineKnowledge:
-        """Return what is known of a machine like this that has some effects more.
+        """Return what is known of a machine like this that has some of ``EFFECTS`` more, so large.
 
-        What windows have told is wrong if they did not know of these.
-
-        Parameters
-        ----------
-        effects : ndarray, shape (effects,)
-            How large they may be, in ``EFFECTS``.
-        places : collection of int
-            Their places.
+        What windows have told is wrong if they did not know of these places.
         """
-        known = first_knowledge(self._motor)
-        for place in places:
+        known, present = first_knowledge(self._motor), self._present | set(places)
+        for place in present & TRIED:
             known.expected[len(FACTORS) + place] = effects[place]
-        return known.without(set(range(len(EFFECTS))) - self._present - set(places))
+        return of_present(known, present)
 
     def has_effects(self, effects: FloatArray, places: Collection[int]) -> None:
-        """Take effects for present, and forget what windows have told without them."""
+        """Take effects for present, and forget what windows have told without them.
+
+        What has failed may explain more on the machine as it is known now.
+        """
         self._told.clear()
         self._known, self._recalled = None, (self.with_effects(effects, places), 0.0)
         self._present |= set(places)
+        self._trials = TrialTimes()
 
     def looks_for_cogging(self, levels: NoiseLevels) -> bool:
         """Tell whether it is time to look for cogging in a window with these levels of noise."""
@@ -269,6 +266,7 @@ class MachineMemory:
         """Take cogging for present, so many periods in a turn."""
         self.cogs = cogs
         self._present |= COGGING
+        self._trials = TrialTimes()
 
     def keeps_cogging(self) -> None:
         """Take note that another number of periods explains no more."""
