@@ -170,6 +170,14 @@ def laden(
     return replace(kind(generator), upper_mass=float(np.exp(generator.uniform(-0.36, 0.59))))
 
 
+def other_in_all(
+    kind: Callable[[np.random.Generator], UnknownMachine], generator: np.random.Generator
+) -> UnknownMachine:
+    """Return a machine with a payload, an amplifier that lags and a thread that is off."""
+    machine = laden(partial(lagging, kind), generator)
+    return replace(machine, thread_error=float(generator.uniform(0.0, 3e-6)))
+
+
 def slight(**constants: float) -> Kind:
     """Return the kind of machines with slight friction and some constants."""
     return Kind(partial(slight_friction, **constants), decision="equation_9")
@@ -203,6 +211,8 @@ KINDS = {
     "screw of 0.2 N/um": slight(screw_stiffness=2e5),
     "everyday, payload": Kind(partial(laden, everyday)),
     "unknown, payload": Kind(partial(laden, unknown)),
+    "everyday, all": Kind(partial(other_in_all, everyday)),
+    "unknown, all": Kind(partial(other_in_all, unknown)),
     "guides with 0.1 N": slight(guide_friction=0.1),
     "twice the inertia": slight(inertia=10e-6),
     "12 times the inductance": slight(inductance=12e-3),
