@@ -25,7 +25,7 @@ TRIED_AGAIN = 3
 LAG_GAIN = 10.0
 """Gain of log-likelihood by a voltage that is late, not the reading, for which it is taken so."""
 CERTAIN_GAIN = 15.0
-"""Gain of log-likelihood for which an effect of the structure is believed that is certain."""
+"""Gain of log-likelihood for which an effect is believed that is certain."""
 TOP_MASS_COVERAGE, LEAST_TOP_MASS = 4.0, 0.01
 """Standard uncertainties by which the mass of the top platform has to be another one, and logarithm
 of the factor on it below which it is none."""

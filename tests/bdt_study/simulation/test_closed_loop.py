@@ -16,6 +16,7 @@ from bdt_controller.notch import NotchFilter
 from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile, reference_at
 from bdt_plant.actuator import ActuatorParameters
+from bdt_plant.amplifier_lag import AmplifierLag
 from bdt_plant.cogging import CoggingParameters
 from bdt_plant.compilation import compile_loop, source_files, source_hash
 from bdt_plant.gap_profile import GapProfile, gap_at
@@ -69,12 +70,22 @@ MACHINE = dataclasses.replace(
         MotorParameters(coulomb_friction=0.008),
         stribeck=StribeckParameters(0.01, 2.0, 0.1),
         cogging=CoggingParameters(1e-3),
-        screw_mechanics=ScrewMechanics(0.4, 1e7),
+        screw_mechanics=ScrewMechanics(0.4, 1e7, 1e-6),
         beams=BeamParameters(2e6),
         pushes=PushParameters(2.0, 0.05, 0.3, seed=5),
+        amplifier=AmplifierLag(1e-3),
     ),
 )
 """Whatever the paper leaves out of the mechanism, with all that."""
+
+
+def test_the_end_of_a_rigid_screw_is_platform_1_also_where_its_thread_is_off():
+    model = PlantModel(screw_mechanics=ScrewMechanics(thread_error=2e-6))
+    loop = simulate(dataclasses.replace(LABORATORY, model=model), ("d", "q1", "theta_d"))
+    assert loop.d == pytest.approx(loop.q1, abs=1e-15)
+    off = loop.d - model.lead_screw.pitch * loop.theta_d
+    assert off == pytest.approx(2e-6 * np.sin(loop.theta_d), abs=1e-15)
+    assert np.abs(off).max() > 1e-6
 
 
 def python_loop(scenario, dead_zones):

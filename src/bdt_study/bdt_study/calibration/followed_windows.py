@@ -81,10 +81,7 @@ def follow_windows(model: PlantModel, data: Data) -> FollowedMachine | None:
     if last is None or kept is None:
         return None
     joined = tuple(
-        name
-        for group in JOINING_EFFECTS
-        if "voltage_lag" not in group and not kept.present.isdisjoint(group)
-        for name in group
+        name for group in JOINING_EFFECTS if not kept.present.isdisjoint(group) for name in group
     )
     effects = np.where(
         [name in (*CALIBRATED_EFFECTS, *joined, "voltage_lag") for name in EFFECTS],

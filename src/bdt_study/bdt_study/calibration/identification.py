@@ -21,7 +21,6 @@ from bdt_study.calibration.machine_search import fit_from_any_gap, search_beginn
 from bdt_study.calibration.motor_lag import without_early_reading
 from bdt_study.calibration.prior_knowledge import (
     HELD_SPREAD,
-    JOINING_EFFECTS,
     is_plausible,
     wide_knowledge,
 )
@@ -33,7 +32,7 @@ from bdt_study.calibration.whole_fit import (
     fit_whole,
 )
 from bdt_study.calibration.yielding_search import yielding_fit
-from bdt_twin.effect_trials import LATE_VOLTAGE, OTHER_TOP_MASS, THREAD_ERROR
+from bdt_twin.effect_trials import LATE_VOLTAGE, OTHER_TOP_MASS, THREAD_ERROR, EffectTrial
 from bdt_twin.fit_result import Fit
 from bdt_twin.gap_doubt import yielding_doubt
 from bdt_twin.machine_knowledge import EFFECTS, THREAD_PARTS, MachineKnowledge
@@ -55,15 +54,18 @@ FAR = 0.5
 MOST_BEGINNINGS = 3
 """Largest number of such beginnings."""
 
-TRIALS = {"top_mass": OTHER_TOP_MASS, THREAD_PARTS[0]: THREAD_ERROR}
+TRIALS: tuple[tuple[tuple[str, ...], EffectTrial], ...] = (
+    (("top_mass",), OTHER_TOP_MASS),
+    (THREAD_PARTS, THREAD_ERROR),
+)
 """Effects that a fit does not find that begins without any, and how they are tried."""
 Search = Callable[[CalibrationWindow, Fit, MachineKnowledge], Fit | None]
-SEARCHES: tuple[tuple[str, Search], ...] = (
-    ("voltage_lag", partial(trial_fit, trial=LATE_VOLTAGE)),
-    *((name, partial(trial_fit, trial=trial)) for name, trial in TRIALS.items()),
-    ("yield_angle", yielding_fit),
+SEARCHES: tuple[tuple[tuple[str, ...], Search], ...] = (
+    (("voltage_lag",), partial(trial_fit, trial=LATE_VOLTAGE)),
+    *((names, partial(trial_fit, trial=trial)) for names, trial in TRIALS),
+    (("yield_angle",), yielding_fit),
 )
-"""Searches with all data for what no window has found."""
+"""Searches with all data for what no window has found, or no window can tell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +81,7 @@ class Identification:
     fit : Fit
         The fit.
     joined : tuple of str
-        Those of ``JOINING_EFFECTS`` that the fit was looking for.
+        Effects beside ``CALIBRATED_EFFECTS`` that the fit was looking for.
     """
 
     model: PlantModel
@@ -164,8 +166,8 @@ def _identify_near(
     joined = () if followed is None else followed.joined
     known = _known(model, joined, expected)
     problem = WindowFit(window, SETTINGS.growth_change, known)
-    for name, trial in TRIALS.items():
-        if name in joined and not start.effects[list(trial.places)].any():
+    for names, trial in TRIALS:
+        if names[0] in joined and not start.effects[list(trial.places)].any():
             start = trial.begun(start)
     # Windows that are too short for the machine may have led astray.
     beginnings = [start] if followed is None else [start, followed.on(window)]
@@ -176,9 +178,9 @@ def _identify_near(
         fits.append(fit_machine_noise(problem, other))
     likely = [each for each in fits if is_plausible(each, known)]
     fit = min(likely or fits, key=lambda each: each.prediction_error)
-    for name, search in SEARCHES:
-        if name not in joined:
-            with_it = (*joined, *next(group for group in JOINING_EFFECTS if name in group))
+    for names, search in SEARCHES:
+        if names[0] not in joined:
+            with_it = (*joined, *names)
             found = search(window, fit, _known(model, with_it, expected))
             if found is not None:
                 fit, joined = found, with_it

@@ -26,7 +26,6 @@ JOINING_EFFECTS = (
     COGGING_PARTS,
     FRICTION_CHANGES,
     ("yield_angle",),
-    ("voltage_lag",),
     ("top_mass",),
     THREAD_PARTS,
 )
@@ -63,7 +62,7 @@ def wide_knowledge(friction: float, joining: Collection[str] = ()) -> MachineKno
     friction : float
         Expected voltage of the friction [V].
     joining : collection of str
-        Those of ``JOINING_EFFECTS`` that the machine has.
+        Effects beside ``CALIBRATED_EFFECTS`` that the machine has.
     """
     spread = [
         size if name in (*CALIBRATED_EFFECTS, *joining) else _ABSENT

@@ -14,6 +14,7 @@ from bdt_controller.pid import PidGains
 from bdt_controller.reference import ReferenceProfile
 from bdt_plant.actuator import IDEAL_ACTUATOR, ActuatorParameters, amplifier_of
 from bdt_plant.gap_profile import GapProfile
+from bdt_plant.lead_screw import screw_end
 from bdt_plant.machine import MACHINE_AT_REST, DiscreteMachine
 from bdt_plant.plant import AT_REST, PlantModel, Sampling
 from bdt_plant.sensor import IDEAL_SENSOR, SensorParameters, discretize_sensor, noise_sequence
@@ -256,7 +257,8 @@ def trajectory_of(
         theta_d, error = signals[SIMULATED.index("theta_d")], model.screw_mechanics.thread_error
         kept["d"] = model.lead_screw.pitch * theta_d
         if error:
-            kept["d"] += error * np.sin(theta_d)
+            ends = (screw_end(each, model.lead_screw.pitch, error) for each in theta_d.tolist())
+            kept["d"] = np.fromiter(ends, np.float64, theta_d.size)
     nothing = np.empty(0)
     return Trajectory(
         _time_axis(scenario.samples, sampling.sampling_rate),
