@@ -137,8 +137,12 @@ def source_hash(files: Iterable[str]) -> str:
 
 @cache
 def _compilable(function: Callable[..., Any]) -> frozenset[str]:
-    """Let numba compile a step function and all it calls, and return the files they are in."""
-    import_module("numba.extending").register_jitable(function)
+    """Let numba compile a step function and all it calls, and return the files they are in.
+
+    Steps become part of the loop: called, each would be given copies of a model's constants with
+    every sample, which takes as long as the equations.
+    """
+    import_module("numba.extending").register_jitable(forceinline=True)(function)
     names = inspect.getclosurevars(function).globals.values()
     files = frozenset([inspect.getfile(function)])
     return files.union(*(_compilable(called) for called in names if inspect.isfunction(called)))
