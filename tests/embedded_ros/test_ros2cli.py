@@ -97,7 +97,7 @@ def test_parameters_are_shown(robot):
         ("param", "get", "/robot", "gain"),
         ("param", "get", "robot", "group.names"),
         ("param", "get", "--hide-type", "/robot", "gain"),
-        ("param", "describe", "/robot", "gain", "size"),
+        ("param", "describe", "/robot", "gain", "size", "use_sim_time"),
         ("param", "get", "/robot", "nothing"),
         ("param", "get", "/nobody", "gain"),
     )
@@ -108,6 +108,7 @@ def test_parameters_are_shown(robot):
     assert listed == (lines, "", 0)
     assert everything == (f"/robot:\n{lines}", "", 0)
     assert "  group.names (type: string array)\n" in typed[0]
+    assert "  use_sim_time (type: boolean)\n" in typed[0]
     assert filtered == ("  gain\n  group.names\n", "", 0)
     assert gain == ("Double value is: 1.5\n", "", 0)
     assert names == ("String values are: ['a', 'b']\n", "", 0)
@@ -116,6 +117,7 @@ def test_parameters_are_shown(robot):
         "Parameter name: gain\n  Type: double\n  Description: how much\n  Constraints:\n"
         "    Min value: 0.0\n    Max value: 10.0\n"
         "Parameter name: size\n  Type: integer\n  Constraints:\n    Read only: true\n"
+        "Parameter name: use_sim_time\n  Type: boolean\n  Constraints:\n"
     )
     assert missing == failure("Parameter not set")
     assert nobody == failure("Node not found")

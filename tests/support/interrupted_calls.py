@@ -25,9 +25,11 @@ def end_of_interrupted(preparation: str, call: str) -> tuple[int, str]:
     call : str
         Expression that is interrupted.
     """
+    # Where a colcon workspace is sourced the packages are on this path, too.
+    path = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM.format(preparation=preparation, call=call)],
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parent)},
+        env={**os.environ, "PYTHONPATH": path},
         check=False,
         capture_output=True,
         text=True,

@@ -17,13 +17,13 @@ __all__ = ["describe", "dump", "get", "show_names"]
 
 
 def _type_name(number: int) -> str:
-    """Type as ``param list`` and ``param describe`` call it: ``double array``."""
-    return Parameter.Type(number).name.lower().replace("_", " ")
+    """Type as ``param list`` and ``param describe`` call it: ``double array``, ``boolean``."""
+    return Parameter.Type(number).name.lower().replace("_", " ").replace("bool", "boolean")
 
 
 def _sentence(number: int) -> str:
     """What ``param get`` puts before a value: ``Double values are:`` for an array of doubles."""
-    kind = _type_name(number).capitalize().replace("Bool", "Boolean")
+    kind = _type_name(number).capitalize()
     element = kind.removesuffix(" array")
     return f"{element} value is:" if element == kind else f"{element} values are:"
 
