@@ -22,8 +22,12 @@ WRITTEN_MATRIX = "Array(float64, 2, 'C')"
 
 def product(matrix: FloatArray, vector: FloatArray) -> FloatArray:
     """Return the product of a matrix of shape (m, n) and a vector of shape (n,)."""
-    sums = np.empty(len(matrix))
-    compiled_product()(matrix, vector, sums)
+    sums = np.zeros(len(matrix))
+    # Where columns lie together they are added to all sums at once, each sum in the same order.
+    if matrix.T.flags.c_contiguous:
+        compiled_sum_of_columns()(matrix.T, vector, sums)
+    else:
+        compiled_product()(matrix, vector, sums)
     return sums
 
 
@@ -69,10 +73,9 @@ def weighted_products(rows: FloatArray, weights: FloatArray) -> FloatArray:
     ndarray, shape (m, m)
         Symmetric matrix.
     """
-    lower = np.zeros((len(rows), len(rows)))
-    compiled_weighted_products()(np.ascontiguousarray(rows.T), weights, lower)
-    symmetric: FloatArray = lower + np.tril(lower, -1).T
-    return symmetric
+    products = np.zeros((len(rows), len(rows)))
+    compiled_weighted_products()(np.ascontiguousarray(rows.T), weights, products)
+    return products
 
 
 def products_of_rows(left: FloatArray, right: FloatArray) -> FloatArray:
@@ -120,6 +123,13 @@ def compiled_product() -> Any:
 
 
 @cache
+def compiled_sum_of_columns() -> Any:
+    """Return the loop of :func:`product` for columns that lie together, compiled."""
+    given = "Array(float64, 2, 'C', readonly=True)"
+    return compile_loop(_add_columns, f"void({given}, {GIVEN}, {WRITTEN})")
+
+
+@cache
 def compiled_weighted_products() -> Any:
     """Return the loop of :func:`weighted_products`, compiled."""
     given = "Array(float64, 2, 'C', readonly=True)"
@@ -141,6 +151,7 @@ def compiled_elimination() -> Any:
 
 COMPILED = (
     compiled_product,
+    compiled_sum_of_columns,
     compiled_weighted_products,
     compiled_products_of_rows,
     compiled_elimination,
@@ -156,14 +167,23 @@ def _multiply(matrix: FloatArray, vector: FloatArray, sums: FloatArray) -> None:
         sums[row] = total
 
 
-def _add_weighted_products(columns: FloatArray, weights: FloatArray, lower: FloatArray) -> None:
+def _add_columns(columns: FloatArray, vector: FloatArray, sums: FloatArray) -> None:
+    for column in range(vector.size):
+        for row in range(sums.size):
+            sums[row] += columns[column, row] * vector[column]
+
+
+def _add_weighted_products(columns: FloatArray, weights: FloatArray, sums: FloatArray) -> None:
     for number in range(weights.size):
-        for row in range(len(lower)):
+        for row in range(len(sums)):
             weighted = weights[number] * columns[number, row]
             # Many slopes are zero.
             if weighted != 0.0:
                 for other in range(row + 1):
-                    lower[row, other] += weighted * columns[number, other]
+                    sums[row, other] += weighted * columns[number, other]
+    for row in range(len(sums)):
+        for other in range(row):
+            sums[other, row] = sums[row, other]
 
 
 def _add_products_of_rows(left: FloatArray, right: FloatArray, sums: FloatArray) -> None:

@@ -27,6 +27,8 @@ MODEL_FACTORS = (*FACTORS, "top_mass")
 """All factors on the model; the last one, of the mass of platform 3 over that of platform 2, is one
 for a machine that carries what it is said to carry."""
 
+OF_STRUCTURE = np.array([0.0, 1.0, 1.0, 1.0])
+"""One for factors on the structure; the motor's gain has no part in it."""
 FACTOR_GRID = np.array([2e-2, 2e-2, 5e-2, 2.5e-3])
 """Spacing of the natural logarithms of ``MODEL_FACTORS``. The model depends least on the damping.
 The mass divides stiffness and damping: parabolas along the axes miss that in larger steps."""
@@ -117,15 +119,15 @@ def block_model_with(
     step : ndarray, shape (4, 6)
         Discrete structure whose sample is a block.
     """
-    # The motor's gain has no part in it.
-    of_structure = _of_all(factors) * np.array([0.0, 1.0, 1.0, 1.0])
+    of_structure = _of_all(factors) * OF_STRUCTURE
     numbers = _block_grid(model, sample_time, block).numbers_at(of_structure)
     return numbers[:16].reshape(4, 4), numbers[16:].reshape(4, 6)
 
 
 def _of_all(factors: FloatArray) -> FloatArray:
     """Return logarithms of ``MODEL_FACTORS``; those that are not given are of ones."""
-    return np.append(factors, np.zeros(len(MODEL_FACTORS) - factors.size))
+    missing = len(MODEL_FACTORS) - factors.size
+    return np.append(factors, np.zeros(missing)) if missing else factors
 
 
 class _Grid:
@@ -143,10 +145,11 @@ class _Grid:
         linear in the numbers, as a structure that follows a slow base, stays exact.
         """
         # A parabola is as good near its ends as in its middle: every other point will do for that.
-        point = 2 * np.rint(factors / (2.0 * FACTOR_GRID)).astype(int)
-        place: Point = tuple(point.tolist())
+        multiples = (factors / FACTOR_GRID).tolist()
+        place: Point = tuple(2 * round(0.5 * multiple) for multiple in multiples)
         numbers = self._at(place).copy()
-        for axis, off in enumerate((factors / FACTOR_GRID - point).tolist()):
+        for axis, (multiple, nearest) in enumerate(zip(multiples, place, strict=True)):
+            off = multiple - nearest
             if off != 0.0:
                 slope, curvature = self._parabola(place, axis)
                 numbers += 0.5 * off * slope

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import float_exponential
 from bdt_plant.plant import PlantModel
-from bdt_plant.quick_exponential import compiled_powers
-from bdt_twin import applied_voltage, fixed_order, innovation_filter, robust_sums
+from bdt_twin import fixed_order
 from bdt_twin.alternative_friction import AlternativeFriction
 from bdt_twin.answer_check import AnswerCheck
 from bdt_twin.cogging_trials import CoggingTrials
-from bdt_twin.cogging_waves import compiled_waves
+from bdt_twin.compiled_loops import LOOPS
 from bdt_twin.estimator import Estimate
 from bdt_twin.fit_doubt import FIRST_MOTIONS
 from bdt_twin.fit_result import Fit
@@ -32,27 +31,14 @@ from bdt_twin.next_fit import AcceptedFit, next_fit
 from bdt_twin.noise_levels import is_walking
 from bdt_twin.output_error_settings import OutputErrorSettings
 from bdt_twin.sensor_saturation import motor_travel_in_saturation
-from bdt_twin.structure_responses import compiled_responses
 from bdt_twin.telemetry_window import TelemetryWindow
 from bdt_twin.unexplained_window import unexplained
-from bdt_twin.window_loop import compiled_window
 from bdt_twin.window_model import WindowModel
 from bdt_twin.window_prediction import Predecessor
 from bdt_twin.window_search import explains_worse, leaves_newest_unexplained
 
 FloatArray = NDArray[np.float64]
 
-LOOPS = (
-    compiled_window,
-    compiled_responses,
-    compiled_waves,
-    compiled_powers,
-    *applied_voltage.COMPILED,
-    *fixed_order.COMPILED,
-    *innovation_filter.COMPILED,
-    *robust_sums.COMPILED,
-)
-"""What to call before the first data wait."""
 MOST_HELD = 5
 """Windows in a row that leave the gap or their newest data unknown before a fit begins anew."""
 LARGEST_SATURATED_TRAVEL = 2.0

@@ -57,25 +57,61 @@ def structure_after(step: ArrayLike, state: StructureState, base: FloatArray) ->
 
 def _run(step: ArrayLike, bases: FloatArray, states: FloatArray) -> FloatArray:
     """Return the positions; `states`, shape (4, n), become those at the last instant."""
-    instants, count = bases.shape
-    steps = np.broadcast_to(step, (count, 4, 6)).transpose(1, 2, 0)
-    positions = np.empty((instants, count))
-    compiled_responses()(
-        np.ascontiguousarray(steps), np.ascontiguousarray(bases), states, positions
-    )
+    steps, positions = np.array(step), np.empty(bases.shape)
+    if steps.ndim == 2:
+        compiled_responses()(steps, np.ascontiguousarray(bases), states, positions)
+    else:
+        steps = np.ascontiguousarray(steps.transpose(1, 2, 0))
+        compiled_responses_of_each()(steps, np.ascontiguousarray(bases), states, positions)
     return positions
 
 
 @cache
 def compiled_responses() -> Any:
-    """Return the loop of :func:`structure_responses`, compiled."""
+    """Return the loop of :func:`structure_responses` for one structure, compiled."""
+    return compile_loop(_respond, _signature(2))
+
+
+@cache
+def compiled_responses_of_each() -> Any:
+    """Return the loop of :func:`structure_responses` for one structure each, compiled."""
+    return compile_loop(_respond_each, _signature(3))
+
+
+COMPILED = (compiled_responses, compiled_responses_of_each)
+"""What to call before the first data wait."""
+
+
+def _signature(dimensions: int) -> str:
     given, written = "Array(float64, {}, 'C', readonly=True)", "Array(float64, 2, 'C')"
-    return compile_loop(
-        _respond, f"void({given.format(3)}, {given.format(2)}, {written}, {written})"
-    )
+    return f"void({given.format(dimensions)}, {given.format(2)}, {written}, {written})"
 
 
 def _respond(
+    step: FloatArray, bases: FloatArray, states: FloatArray, positions: FloatArray
+) -> None:
+    instants, count = bases.shape
+    follows = np.empty((4, count))
+    for k in range(instants):
+        if k > 0:
+            for i in range(4):
+                for n in range(count):
+                    follows[i, n] = (
+                        step[i, 0] * states[0, n]
+                        + step[i, 1] * states[1, n]
+                        + step[i, 2] * states[2, n]
+                        + step[i, 3] * states[3, n]
+                        + step[i, 4] * bases[k - 1, n]
+                        + step[i, 5] * bases[k, n]
+                    )
+            for i in range(4):
+                for n in range(count):
+                    states[i, n] = follows[i, n]
+        for n in range(count):
+            positions[k, n] = states[2, n]
+
+
+def _respond_each(
     steps: FloatArray, bases: FloatArray, states: FloatArray, positions: FloatArray
 ) -> None:
     instants, count = bases.shape

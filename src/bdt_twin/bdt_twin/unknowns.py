@@ -101,9 +101,10 @@ class Unknowns:
 
     def from_vector(self, vector: FloatArray) -> "Unknowns":
         """Return the unknowns of a vector, brought back to where they have a meaning."""
-        ends = np.cumsum([self.gaps.size, len(FACTORS), len(EFFECTS)])
-        gaps, factors, effects, rest = np.split(vector, ends)
-        effects = np.clip(effects, *EFFECT_LIMITS)
+        first_factor = self.gaps.size
+        first_effect = first_factor + len(FACTORS)
+        first_rest = first_effect + len(EFFECTS)
+        effects = np.clip(vector[first_effect:first_rest], *EFFECT_LIMITS)
         # Cogging, which is largest at rest, too, is no friction of a motor that has next to none.
         excess, friction = EFFECTS.index("excess_voltage"), EFFECTS.index("friction_voltage")
         effects[excess] = min(effects[excess], MOST_EXCESS * effects[friction])
@@ -113,11 +114,11 @@ class Unknowns:
         # Nor would one that has made the voltage prompt find out that it is late.
         least = min(float(self.effects[VOLTAGE_LAG]), SMALLEST_LAG)
         effects[VOLTAGE_LAG] = max(float(effects[VOLTAGE_LAG]), least)
-        initial_conditions = rest.reshape(self.initial_conditions.shape).copy()
+        initial_conditions = vector[first_rest:].reshape(self.initial_conditions.shape).copy()
         np.clip(initial_conditions[:, 0], -1.0, 1.0, out=initial_conditions[:, 0])
         return Unknowns(
-            np.maximum(gaps, 0.0),
-            np.clip(factors, -1.0, 1.0),
+            np.maximum(vector[:first_factor], 0.0),
+            np.clip(vector[first_factor:first_effect], -1.0, 1.0),
             initial_conditions,
             effects,
         )

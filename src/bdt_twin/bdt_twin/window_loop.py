@@ -32,7 +32,7 @@ from bdt_twin.resisted_plant import (
     steepness,
 )
 from bdt_twin.yielding_friction import (
-    SLIP_ANGLES,
+    PER_SLIP_ANGLE,
     SPRINGS,
     bend_springs,
     elastic_share,
@@ -156,6 +156,8 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         # they hold back what turns the motor.
         bent_from, held_from = bends.copy(), np.zeros((SPRINGS, DRIVE_COUNT))
         slips = np.ones(SPRINGS)
+        per_bend = 1.0 / (SPRINGS * yield_angle * taken) if yields else 0.0
+        per_turn = 1.0 / (SPRINGS * yield_angle * back_emf) if yields else 0.0
         is_resisted = yields or law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
         lags = per_lag.size > 0
         changes, pitch = change.growth != 0.0 or change.slope != 0.0, step.plant.pitch
@@ -232,15 +234,15 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         for spring in range(SPRINGS):
                             if slips[spring] == 0.0:
                                 softened = felt * size * (bent_from[spring] - bends[spring])
-                                drives[10] += softened / (SPRINGS * yield_angle * taken)
-                                stiff = felt * size / (SPRINGS * back_emf)
-                                stiff /= SLIP_ANGLES[spring] * yield_angle
+                                drives[10] += softened * per_bend
+                                stiff = felt * size * (PER_SLIP_ANGLE[spring] * per_turn)
                                 stiffness += stiff
                                 for drive in range(DRIVE_COUNT):
                                     drives[drive] += stiff * held_from[spring, drive]
                         if stiffness > 0.0:
+                            left = 1.0 / (1.0 + stiffness)
                             for drive in range(DRIVE_COUNT):
-                                drives[drive] /= 1.0 + stiffness
+                                drives[drive] *= left
                 angle = state.theta_d
                 if angle != before:
                     last_side = 1.0 if angle > before else -1.0

@@ -175,13 +175,8 @@ class WindowModel:
         knots, effects = self.knots.size, self.knots.size + len(FACTORS)
         first = effects + len(EFFECTS)
         count = first + len(INITIAL_CONDITION)
-        factors = unknowns.model_factors
-        start, step = self._by_blocks(factors)
-        # The last columns are of structures that are less stiff, less damped and less heavy.
-        changed = [knots + 1, knots + 2, effects + TOP_MASS][: 3 if factors[-1] else 2]
-        columns = count + len(changed)
-        bases = np.zeros((run.screw.size, columns))
-        states, steps = np.zeros((columns, len(start))), np.tile(step, (columns, 1, 1))
+        start, step = self._by_blocks(unknowns.model_factors)
+        bases, states = np.zeros((run.screw.size, count)), np.zeros((count, len(start)))
         begins, share = self.stretches[number].first, float(unknowns.initial_conditions[number, 0])
         times = (begins + run.sample) / self.sampling_rate
         initial = self.weights(np.array([begins / self.sampling_rate]))[:, 0]
@@ -197,17 +192,11 @@ class WindowModel:
         if unknowns.effects[thread].any():
             waves = thread_waves(run.screw, self.screw_turns(unknowns, number))
             bases[:, [effects + place for place in thread]] = waves
-        state = unknowns.initial_conditions[number, INITIAL_CONDITION.index("q2") :]
-        changes = FACTOR_CHANGE * np.eye(len(MODEL_FACTORS))[1 : 1 + len(changed)]
-        places = (*changed, *range(count, columns))
-        for column, change in zip(places, (*changes, *-changes), strict=True):
-            changed_start, steps[column] = self._by_blocks(factors + change)
-            states[column] = product(changed_start, state)
-            bases[:, column] = self.pitch * run.screw
-        states[first + INITIAL_CONDITION.index("q2") : count] = start.T
-        slopes = structure_responses(steps, bases, states)
-        ahead, behind = slopes[:, changed], slopes[:, count:]
-        slopes[:, changed] = (ahead - behind) / (2 * FACTOR_CHANGE)
+        states[first + INITIAL_CONDITION.index("q2") :] = start.T
+        slopes = structure_responses(step, bases, states)
+        by_structure = self._slopes_by_structure(number, run, unknowns)
+        places = [knots + 1, knots + 2, effects + TOP_MASS]
+        slopes[:, places[: by_structure.shape[1]]] = by_structure
         # The readings' own slope differs from the position's by what delay and drift add.
         delay, drift = (EFFECTS.index(name) for name in ("delay", "drift"))
         slope = travel_in(run.position, self.sampling_rate) - unknowns.effects[drift]
@@ -215,7 +204,22 @@ class WindowModel:
         middles = np.arange(run.screw.size) + 0.5 - 0.5 / self.block
         slopes[:, effects + drift] = middles / self.block_rate
         slopes[:, first + INITIAL_CONDITION.index("offset")] = 1.0
-        return slopes[:, :count]
+        return slopes
+
+    def _slopes_by_structure(
+        self, number: int, run: StretchResponse, unknowns: Unknowns
+    ) -> FloatArray:
+        """Return the slopes by stiffness, damping and, of a payload, mass: (blocks, 2 or 3)."""
+        factors = unknowns.model_factors
+        changes = FACTOR_CHANGE * np.eye(len(MODEL_FACTORS))[1 : None if factors[-1] else 3]
+        state = unknowns.initial_conditions[number, INITIAL_CONDITION.index("q2") :]
+        models = [self._by_blocks(factors + change) for change in (*changes, *-changes)]
+        states = np.array([product(start, state) for start, _ in models])
+        bases = np.tile(self.pitch * run.screw[:, None], len(models))
+        steps = np.array([step for _, step in models])
+        ahead, behind = np.hsplit(structure_responses(steps, bases, states), 2)
+        slopes: FloatArray = (ahead - behind) / (2 * FACTOR_CHANGE)
+        return slopes
 
     def block_step(self, unknowns: Unknowns) -> FloatArray:
         """Return the structure's model from block to block, shape (4, 6)."""

@@ -25,6 +25,8 @@ FloatArray = NDArray[np.float64]
 
 SLIP_ANGLES = (0.3543, 0.8490, 1.7967)
 """Angles from rest at which the springs slip, over the yield angle: a_i."""
+PER_SLIP_ANGLE = tuple(1.0 / angle for angle in SLIP_ANGLES)
+"""Their inverse: multiplying is quicker than dividing."""
 SPRINGS = len(SLIP_ANGLES)
 """Number of springs."""
 
@@ -42,7 +44,7 @@ def bend_springs(bends: FloatArray, turned: float, yield_angle: float) -> None:
         Yield angle theta_y [rad].
     """
     for spring in range(SPRINGS):
-        bent = bends[spring] + turned / (SLIP_ANGLES[spring] * yield_angle)
+        bent = bends[spring] + turned * (PER_SLIP_ANGLE[spring] / yield_angle)
         bends[spring] = min(max(bent, -1.0), 1.0)
 
 
@@ -60,7 +62,7 @@ def elastic_share(bends: FloatArray, turned: float, yield_angle: float) -> float
     """
     torque = 0.0
     for spring in range(SPRINGS):
-        bent = bends[spring] + turned / (SLIP_ANGLES[spring] * yield_angle)
+        bent = bends[spring] + turned * (PER_SLIP_ANGLE[spring] / yield_angle)
         torque += min(max(bent, -1.0), 1.0)
     return torque / SPRINGS
 
@@ -80,23 +82,50 @@ def held_share(bends: FloatArray, free: float, per_friction: float, yield_angle:
         Yield angle theta_y [rad].
     """
     direction = 1.0 if free > 0.0 else -1.0
-    before, turned, more, weight = elastic_share(bends, 0.0, yield_angle), 0.0, 0.0, 0.0
+    before = elastic_share(bends, 0.0, yield_angle)
+    slope = elastic_slope(bends, 0.0, direction, yield_angle)
+    stiffness = per_friction * slope
+    # That of the end in the mean over the step, of a motor that settles evenly: 1/2 for soft
+    # springs, 1 for those that hold it within a part of the step.
+    weight = (6.0 + stiffness * (3.0 + stiffness)) / (12.0 + stiffness * (4.0 + stiffness))
+    felt = weight * per_friction
+    turned = free / (1.0 + felt * slope)
     # Newton's steps from rest never go too far, for springs only ever begin to slip on the way;
-    # with each but the last one spring more does.
-    for number in range(SPRINGS + 1):
-        stiffness = 0.0
-        for spring in range(SPRINGS):
-            slips_at = SLIP_ANGLES[spring] * yield_angle
-            if direction * (bends[spring] + turned / slips_at) < 1.0:
-                stiffness += per_friction / (SPRINGS * slips_at)
-        if number == 0:
-            # That of the end in the mean over the step, of a motor that settles evenly: 1/2 for
-            # soft springs, 1 for those that hold it within a part of the step.
-            weight = (6.0 + stiffness * (3.0 + stiffness)) / (12.0 + stiffness * (4.0 + stiffness))
-        left = free - turned - weight * per_friction * more
-        turned += left / (1.0 + weight * stiffness)
-        more = elastic_share(bends, turned, yield_angle) - before
-    return before + weight * more
+    # where none does, the last step was exact.
+    for _ in range(SPRINGS):
+        left = elastic_slope(bends, turned, direction, yield_angle)
+        if left == slope:
+            break
+        slope, more = left, elastic_share(bends, turned, yield_angle) - before
+        turned += (free - turned - felt * more) / (1.0 + felt * slope)
+    return before + weight * (elastic_share(bends, turned, yield_angle) - before)
+
+
+def elastic_slope(bends: FloatArray, turned: float, direction: float, yield_angle: float) -> float:
+    """Return by how much the springs' torque grows as a motor goes on, over that of friction.
+
+    Parameters
+    ----------
+    bends : ndarray, shape (springs,)
+        Bends of the springs before.
+    turned : float
+        Angle by which the motor turns before it goes on [rad].
+    direction : float
+        Direction in which it goes on, 1 or -1.
+    yield_angle : float
+        Yield angle theta_y [rad].
+
+    Returns
+    -------
+    float
+        The slope [1/rad], of springs that do not slip.
+    """
+    slope = 0.0
+    for spring in range(SPRINGS):
+        per_angle = PER_SLIP_ANGLE[spring] / yield_angle
+        if direction * (bends[spring] + turned * per_angle) < 1.0:
+            slope += per_angle
+    return slope / SPRINGS
 
 
 def sliding_direction(bends: FloatArray) -> float:
