@@ -24,7 +24,7 @@ from bdt_twin.machine_memory import MachineMemory
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.output_error import MOST_HELD, OutputErrorEstimator
 from bdt_twin.output_error_settings import OutputErrorSettings
-from bdt_twin.structure_responses import compiled_responses
+from bdt_twin.structure_responses import compiled_responses, compiled_responses_of_each
 from bdt_twin.window_loop import compiled_window
 
 RATE = 1000.0
@@ -413,14 +413,15 @@ def test_time_that_goes_back_restarts(closed_loop):
 def test_without_numba_the_estimates_are_the_same(closed_loop, monkeypatch):
     rows = closed_loop(duration=4.0, rate=500.0).rows
     chosen = replace(CHOSEN, window=3.0, update_period=1.0)
+    loops = compiled_window, compiled_responses, compiled_responses_of_each
     compiled = estimates_of(rows, chosen, rate=500.0)
     monkeypatch.setattr(compilation, "find_spec", lambda _: None)
-    for cached in (compiled_window, compiled_responses):
+    for cached in loops:
         cached.cache_clear()
     try:
         plain = estimates_of(rows, chosen, rate=500.0)
     finally:
-        for cached in (compiled_window, compiled_responses):
+        for cached in loops:
             cached.cache_clear()
     assert plain[-1].gap == pytest.approx(compiled[-1].gap, rel=1e-9)
     assert plain[-1].is_known

@@ -24,7 +24,7 @@ def product(matrix: FloatArray, vector: FloatArray) -> FloatArray:
     """Return the product of a matrix of shape (m, n) and a vector of shape (n,)."""
     sums = np.zeros(len(matrix))
     # Where columns lie together they are added to all sums at once, each sum in the same order.
-    if matrix.T.flags.c_contiguous:
+    if matrix.flags.fnc:
         compiled_sum_of_columns()(matrix.T, vector, sums)
     else:
         compiled_product()(matrix, vector, sums)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bdt_plant.compilation import compile_loop
+from bdt_plant.compilation import compile_with_steps
 from bdt_plant.structure import StructureState
 
 FloatArray = NDArray[np.float64]
@@ -69,17 +69,27 @@ def _run(step: ArrayLike, bases: FloatArray, states: FloatArray) -> FloatArray:
 @cache
 def compiled_responses() -> Any:
     """Return the loop of :func:`structure_responses` for one structure, compiled."""
-    return compile_loop(_respond, _signature(2))
+    return compile_with_steps(_responses_of_all, [of_all], lambda: _signature(2))
 
 
 @cache
 def compiled_responses_of_each() -> Any:
     """Return the loop of :func:`structure_responses` for one structure each, compiled."""
-    return compile_loop(_respond_each, _signature(3))
+    return compile_with_steps(_responses_of_each, [of_each], lambda: _signature(3))
 
 
 COMPILED = (compiled_responses, compiled_responses_of_each)
 """What to call before the first data wait."""
+
+
+def of_all(step: FloatArray, row: int, column: int, _base: int) -> float:
+    """Return a number of the structure that all bases have; a step function."""
+    return step[row, column]  # type: ignore[no-any-return]
+
+
+def of_each(steps: FloatArray, row: int, column: int, base: int) -> float:
+    """Return a number of the structure of one base; a step function."""
+    return steps[row, column, base]  # type: ignore[no-any-return]
 
 
 def _signature(dimensions: int) -> str:
@@ -87,49 +97,37 @@ def _signature(dimensions: int) -> str:
     return f"void({given.format(dimensions)}, {given.format(2)}, {written}, {written})"
 
 
-def _respond(
-    step: FloatArray, bases: FloatArray, states: FloatArray, positions: FloatArray
-) -> None:
-    instants, count = bases.shape
-    follows = np.empty((4, count))
-    for k in range(instants):
-        if k > 0:
-            for i in range(4):
-                for n in range(count):
-                    follows[i, n] = (
-                        step[i, 0] * states[0, n]
-                        + step[i, 1] * states[1, n]
-                        + step[i, 2] * states[2, n]
-                        + step[i, 3] * states[3, n]
-                        + step[i, 4] * bases[k - 1, n]
-                        + step[i, 5] * bases[k, n]
-                    )
-            for i in range(4):
-                for n in range(count):
-                    states[i, n] = follows[i, n]
-        for n in range(count):
-            positions[k, n] = states[2, n]
+def _responses_of_all(sources: str) -> Any:
+    return _responses_around(of_all, sources)
 
 
-def _respond_each(
-    steps: FloatArray, bases: FloatArray, states: FloatArray, positions: FloatArray
-) -> None:
-    instants, count = bases.shape
-    follows = np.empty((4, count))
-    for k in range(instants):
-        if k > 0:
-            for i in range(4):
-                for n in range(count):
-                    follows[i, n] = (
-                        steps[i, 0, n] * states[0, n]
-                        + steps[i, 1, n] * states[1, n]
-                        + steps[i, 2, n] * states[2, n]
-                        + steps[i, 3, n] * states[3, n]
-                        + steps[i, 4, n] * bases[k - 1, n]
-                        + steps[i, 5, n] * bases[k, n]
-                    )
-            for i in range(4):
-                for n in range(count):
-                    states[i, n] = follows[i, n]
-        for n in range(count):
-            positions[k, n] = states[2, n]
+def _responses_of_each(sources: str) -> Any:
+    return _responses_around(of_each, sources)
+
+
+def _responses_around(number: Any, sources: str) -> Any:
+    def responses(
+        steps: FloatArray, bases: FloatArray, states: FloatArray, positions: FloatArray
+    ) -> None:
+        _ = sources
+        instants, count = bases.shape
+        follows = np.empty((4, count))
+        for k in range(instants):
+            if k > 0:
+                for i in range(4):
+                    for n in range(count):
+                        follows[i, n] = (
+                            number(steps, i, 0, n) * states[0, n]
+                            + number(steps, i, 1, n) * states[1, n]
+                            + number(steps, i, 2, n) * states[2, n]
+                            + number(steps, i, 3, n) * states[3, n]
+                            + number(steps, i, 4, n) * bases[k - 1, n]
+                            + number(steps, i, 5, n) * bases[k, n]
+                        )
+                for i in range(4):
+                    for n in range(count):
+                        states[i, n] = follows[i, n]
+            for n in range(count):
+                positions[k, n] = states[2, n]
+
+    return responses

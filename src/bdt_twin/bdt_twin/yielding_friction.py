@@ -44,8 +44,25 @@ def bend_springs(bends: FloatArray, turned: float, yield_angle: float) -> None:
         Yield angle theta_y [rad].
     """
     for spring in range(SPRINGS):
-        bent = bends[spring] + turned * (PER_SLIP_ANGLE[spring] / yield_angle)
-        bends[spring] = min(max(bent, -1.0), 1.0)
+        bends[spring] = bend_after(bends, spring, turned, yield_angle)
+
+
+def bend_after(bends: FloatArray, spring: int, turned: float, yield_angle: float) -> float:
+    """Return the bend of one spring after a turn of the motor, -1 or 1 where it slips.
+
+    Parameters
+    ----------
+    bends : ndarray, shape (springs,)
+        Bends of the springs before.
+    spring : int
+        Which spring.
+    turned : float
+        Angle by which the motor turns [rad].
+    yield_angle : float
+        Yield angle theta_y [rad].
+    """
+    bent: float = bends[spring] + turned * (PER_SLIP_ANGLE[spring] / yield_angle)
+    return min(max(bent, -1.0), 1.0)
 
 
 def elastic_share(bends: FloatArray, turned: float, yield_angle: float) -> float:
@@ -62,8 +79,7 @@ def elastic_share(bends: FloatArray, turned: float, yield_angle: float) -> float
     """
     torque = 0.0
     for spring in range(SPRINGS):
-        bent = bends[spring] + turned * (PER_SLIP_ANGLE[spring] / yield_angle)
-        torque += min(max(bent, -1.0), 1.0)
+        torque += bend_after(bends, spring, turned, yield_angle)
     return torque / SPRINGS
 
 
@@ -122,9 +138,8 @@ def elastic_slope(bends: FloatArray, turned: float, direction: float, yield_angl
     """
     slope = 0.0
     for spring in range(SPRINGS):
-        per_angle = PER_SLIP_ANGLE[spring] / yield_angle
-        if direction * (bends[spring] + turned * per_angle) < 1.0:
-            slope += per_angle
+        if direction * bend_after(bends, spring, turned, yield_angle) < 1.0:
+            slope += PER_SLIP_ANGLE[spring] / yield_angle
     return slope / SPRINGS
 
 

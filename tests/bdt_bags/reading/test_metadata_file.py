@@ -67,9 +67,7 @@ def test_fields(read, fields, reason):
         ("- 1", "without rosbag2_bagfile_information"),
         ("rosbag2_bagfile_information: 1", "without rosbag2_bagfile_information"),
         ("a: &a [x, x]\nb: [*a, *a]", "with the alias 'a': must have none"),
-        ("[" * 500, "nested deeper than 30"),
-        # Newer versions of PyYAML refuse this themselves.
-        ("[" * 100_000, "nest(ed deeper|ing depth)"),
+        ("[" * 100_000, "nested deeper than 30"),
         ("a: " + "x" * LARGEST_METADATA, rf"metadata.yaml of {LARGEST_METADATA + 3} bytes"),
         ("a: !!python/object/apply:os.getcwd []", "has a damaged metadata.yaml"),
     ],
