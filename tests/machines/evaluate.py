@@ -94,8 +94,7 @@ def result_of(name, seed, *, is_drawn):
     run = run_with_twin(*trial)
     learned = [each for each in run.estimates if each.is_known and not each.reason]
     times = np.array([each.time for each in learned])
-    gaps = trial.course.gaps
-    true = np.interp(times, np.arange(len(gaps)) / SAMPLING_RATE, gaps)
+    true = np.interp(times, np.arange(len(run.gaps)) / SAMPLING_RATE, run.gaps)
     ideal = steps_with_true_gap(*trial)
     judged = [
         (bool(one.limit_cycle), bool(best.limit_cycle), is_pushed(*trial, one))

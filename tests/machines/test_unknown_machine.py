@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from machine_with_twin import HOLD, SAMPLING_RATE
+from running_machine import RunningMachine
 from scipy.signal import lsim
-from unknown_machine import PITCH, RunningMachine, UnknownMachine
+from unknown_machine import PITCH, UnknownMachine
 
 from bdt_plant.actuator import ActuatorParameters
 from bdt_plant.amplifier_lag import AmplifierLag
@@ -152,6 +153,40 @@ def test_an_amplifier_that_lags_filters_what_a_machine_without_a_gap_does():
     assert np.abs(lagging - prompt).max() > 100.0 * LIKENESS
 
 
+def test_resistance_that_rises_lets_the_motor_turn_more_slowly():
+    cold = replace(QUIET, coulomb_friction=FRICTION)
+    lost = speed_of_screw(QUIET, 1.0) - speed_of_screw(cold, 1.0)
+    behind = last_reading(cold, 1.0, 8.0) - last_reading(replace(cold, warming=0.01), 1.0, 8.0)
+    assert behind == pytest.approx(lost * 0.01 * 8.0**2 / 2.0, rel=0.01)
+
+
+def test_friction_that_differs_within_a_turn_repeats_with_each():
+    share, voltage = 0.5, 0.25
+    machine = replace(QUIET, coulomb_friction=FRICTION, friction_in_turn=share)
+    mean = speed_of_screw(machine, voltage) / PITCH
+    swing = share * (speed_of_screw(QUIET, voltage) / PITCH - mean)
+    turn = 2.0 * math.pi / math.sqrt(mean**2 - swing**2)
+    after_one, after_two = (last_reading(machine, voltage, n * turn) for n in (1.0, 2.0))
+    assert after_two - after_one == pytest.approx(2.0 * math.pi * PITCH, rel=1e-3)
+
+
+def test_a_gap_that_is_larger_along_the_screw_is_crossed_where_it_is():
+    along, half, speed = 20.0, 0.5 * GAP, 5.0 / QUIET.back_emf_constant
+    gaps = np.full(round(14.0 * SAMPLING_RATE), GAP)
+    running = RunningMachine(replace(QUIET, gap_along=along), gaps, SAMPLING_RATE, seed=0)
+    for voltage, duration in ((5.0, 0.8), (0.0, 6.0), (-5.0, 0.4), (0.0, 6.0)):
+        running.hold(voltage, round(duration * SAMPLING_RATE))
+    growth = half * along * PITCH
+    there = PITCH * (0.8 * speed - half) / (1.0 + growth)
+    back = PITCH * (0.4 * speed + half) / (1.0 - growth)
+    positions, gaps = running.true_positions(), running.true_gaps()
+    at_rest = round(6.8 * SAMPLING_RATE) - 1
+    assert positions[at_rest] == pytest.approx(there, rel=1e-4)
+    assert positions[-1] == pytest.approx(back, rel=1e-4)
+    assert gaps[at_rest] == pytest.approx(GAP * (1.0 + along * there), rel=1e-4)
+    assert running.gap == pytest.approx(GAP * (1.0 + along * back), rel=1e-4)
+
+
 def test_friction_grows_along_the_screw():
     machine = replace(QUIET, coulomb_friction=FRICTION, friction_along=50.0)
     begin = speed_of_screw(machine, 1.0)
@@ -176,3 +211,30 @@ def test_guides_hold_back_the_platforms():
         replace(QUIET, guide_friction=force), 0.1, 8.0
     )
     assert behind == pytest.approx(3.0 * force / QUIET.stiffness, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("constants", "voltage", "left"),
+    [
+        ({"amplifier_dead_band": 0.5}, -2.0, -1.5),
+        ({"amplifier_dead_band": 0.5}, 0.4, 0.0),
+        ({"amplifier_sag": 0.1}, -24.0, -21.6),
+        ({"amplifier_sag": 0.1}, 12.0, 11.4),
+    ],
+)
+def test_an_amplifier_leaves_less_of_some_voltages(constants, voltage, left):
+    duration = round(0.5 * SAMPLING_RATE)
+    found = readings(replace(QUIET, **constants), np.full(duration, voltage))
+    assert found == pytest.approx(readings(QUIET, np.full(duration, left)), abs=1e-15)
+
+
+def test_a_motor_coasts_where_its_bridge_drops_more_than_it_induces():
+    drop, voltages = 1.0, np.repeat([1.5, 0.0], 2 * round(SAMPLING_RATE))
+    machine = replace(QUIET, bridge_drop=drop)
+    running = readings(machine, voltages)
+    speed = PITCH * (1.5 - drop) / QUIET.back_emf_constant
+    assert running[-1] - running[voltages.size // 2] == pytest.approx(2.0 * speed, rel=2e-3)
+    held = readings(replace(machine, coulomb_friction=FRICTION), voltages)
+    driven = speed_of_screw(replace(machine, coulomb_friction=FRICTION), 1.5 - drop)
+    coasted = (driven / PITCH) ** 2 * QUIET.inertia / (2.0 * FRICTION) * PITCH
+    assert held[-1] == pytest.approx(2.0 * driven + coasted - 0.5 * GAP * PITCH, rel=2e-3)

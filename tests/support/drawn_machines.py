@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 from machine_with_twin import SAMPLING_RATE, Course, sine, triangle
-from unknown_machine import EVERYDAY, PER_RUN, FloatArray, UnknownMachine
+from running_machine import FloatArray
+from unknown_machine import EVERYDAY, PER_RUN, UnknownMachine
 
 from bdt_study.evaluation.machine_effects import Draws, MachineEffects
 from bdt_study.evaluation.machines import MACHINES
@@ -213,6 +214,15 @@ KINDS = {
     "unknown, payload": Kind(partial(laden, unknown)),
     "everyday, all": Kind(partial(other_in_all, everyday)),
     "unknown, all": Kind(partial(other_in_all, unknown)),
+    "friction differs by 20 % in a turn": slight(friction_in_turn=0.2),
+    "resistance rises by 10 %": slight(warming=0.1 / DRAWN_TIME),
+    "gap larger by 10 % at 10 mm": slight(gap_along=10.0),
+    "gap smaller by 30 % at 10 mm": slight(gap_along=-30.0),
+    "dead band of 0.1 V": slight(amplifier_dead_band=0.1),
+    "dead band of 0.5 V": slight(amplifier_dead_band=0.5),
+    "gain sags by 10 %": slight(amplifier_sag=0.1),
+    "bridge drops 0.2 V": slight(bridge_drop=0.2),
+    "bridge drops 1 V": slight(bridge_drop=1.0),
     "guides with 0.1 N": slight(guide_friction=0.1),
     "twice the inertia": slight(inertia=10e-6),
     "12 times the inductance": slight(inductance=12e-3),

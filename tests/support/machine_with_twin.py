@@ -5,14 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from unknown_machine import (
-    LARGEST_VOLTAGE,
-    PUSH_PERIOD,
-    PUSH_TIME,
-    FloatArray,
-    RunningMachine,
-    UnknownMachine,
-)
+from running_machine import PUSH_PERIOD, PUSH_TIME, FloatArray, RunningMachine
+from unknown_machine import LARGEST_VOLTAGE, UnknownMachine
 
 from bdt_analysis.metrics.reference_steps import find_steps
 from bdt_analysis.metrics.step_analysis import StepSummary, summarize_step
@@ -105,6 +99,8 @@ class MachineRun:
         Steps of the reference, by the true position.
     estimates : list of Estimate
         What the twin said.
+    gaps : ndarray, shape (n,)
+        True gap at each sample, where the platform was [rad].
     window_times : list of float
         Processor time of each estimate [s].
     first_dead_zone : float
@@ -113,6 +109,7 @@ class MachineRun:
 
     steps: list[StepSummary]
     estimates: list[Estimate]
+    gaps: FloatArray
     window_times: list[float]
     first_dead_zone: float
 
@@ -177,7 +174,8 @@ def run_with_twin(machine: UnknownMachine, course: Course) -> MachineRun:
         twin.take_telemetry(running.telemetry(first * HOLD))
     set_at = np.flatnonzero(tolerances)
     begin = float(set_at[0]) / CONTROL_RATE if set_at.size else math.inf
-    return MachineRun(_steps(course, running), twin.estimates, estimator.times, begin)
+    gaps = running.true_gaps()
+    return MachineRun(_steps(course, running), twin.estimates, gaps, estimator.times, begin)
 
 
 def steps_with_true_gap(
@@ -194,12 +192,12 @@ def steps_with_true_gap(
     share : float
         The share; 0 for no dead zone.
     """
-    tolerances = share * PITCH * course.gaps[::HOLD]
     running = RunningMachine(machine, course.gaps, SAMPLING_RATE, course.seed)
     controller = _Controller()
-    for period in range(course.periods):
+    for _ in range(course.periods):
         error = course.reference(running.time) - running.reading()
-        running.hold(controller.voltage(error, tolerances[period], 0.0), HOLD)
+        tolerance = share * PITCH * running.gap
+        running.hold(controller.voltage(error, tolerance, 0.0), HOLD)
     return _steps(course, running)
 
 

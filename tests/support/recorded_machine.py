@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from unknown_machine import LARGEST_VOLTAGE, PITCH, FloatArray, RunningMachine, UnknownMachine
+from running_machine import FloatArray, RunningMachine
+from unknown_machine import LARGEST_VOLTAGE, PITCH, UnknownMachine
 
 CONTROL_RATE = 500.0
 """Rate of the controller [Hz]."""
