@@ -5,7 +5,13 @@ import pytest
 
 from bdt_plant.plant import PlantModel, discretize_plant
 from bdt_plant.structure import StructureParameters, discretize_structure
-from bdt_twin.model_factors import block_model_with, check_room, model_with, plant_step_with
+from bdt_twin.model_factors import (
+    block_model_with,
+    check_room,
+    model_with,
+    motor_step_with,
+    plant_step_with,
+)
 
 MODEL, SAMPLE_TIME = PlantModel(), 1e-3
 POINTS = [
@@ -67,6 +73,13 @@ def test_between_the_points_of_the_grid_the_model_is_nearly_exact(factors):
     )
     assert slopes.max() > 1.0
     assert (np.abs(numbers_of(found) - exact(logarithms)) < 5e-5 * slopes + 1e-9).all()
+
+
+@pytest.mark.parametrize("factors", POINTS)
+def test_the_motor_alone_is_that_of_the_plant(factors):
+    motor = motor_step_with(MODEL, np.array(factors), SAMPLE_TIME)
+    expected = plant_step_with(MODEL, np.array(factors), SAMPLE_TIME).motor
+    assert np.array(motor) == pytest.approx(np.array(expected), rel=1e-12)
 
 
 @pytest.mark.parametrize("factors", POINTS)

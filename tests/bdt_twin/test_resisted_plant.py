@@ -9,11 +9,12 @@ from bdt_plant.cogging import CoggingParameters
 from bdt_plant.machine import MACHINE_AT_REST, discretize_machine, machine_step
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import AT_REST, PlantModel, Sampling
+from bdt_plant.resisted_motor import discretize_resisted_motor
 from bdt_plant.screw_load import ScrewMechanics
 from bdt_plant.stribeck import StribeckParameters, friction_law, friction_size
 from bdt_twin.machine_knowledge import EFFECTS
 from bdt_twin.model_factors import FACTORS
-from bdt_twin.resisted_model import resisted_plant_with, rotated, with_cogs
+from bdt_twin.resisted_model import LEAST_HOLDING, resisted_plant_with, rotated, with_cogs
 from bdt_twin.resisted_plant import (
     FAST,
     STEEPEST,
@@ -31,6 +32,7 @@ PER_VOLT = 0.8 / 12.0
 PITCH = 1e-3 / (2.0 * np.pi)
 FRICTIONAL = PlantModel(motor=MotorParameters(coulomb_friction=FRICTION))
 MACHINES = {
+    "coulomb": (FRICTIONAL, {}),
     "stribeck": (
         replace(FRICTIONAL, stribeck=StribeckParameters(static_friction=FRICTION + EXCESS)),
         {"excess_voltage": EXCESS / PER_VOLT},
@@ -46,8 +48,8 @@ MACHINES = {
 }
 
 
-def positions_of_plant(model, voltages):
-    step, state = discretize_machine(model, Sampling(RATE, RATE, 20)), MACHINE_AT_REST
+def positions_of_plant(model, voltages, rate=RATE, sub_steps=20):
+    step, state = discretize_machine(model, Sampling(rate, rate, sub_steps)), MACHINE_AT_REST
     found = []
     for voltage in voltages:
         state = machine_step(state, voltage, GAP, step)
@@ -55,9 +57,9 @@ def positions_of_plant(model, voltages):
     return np.array(found)
 
 
-def positions_of_twin(voltages, effects, cogs=0):
+def positions_of_twin(voltages, effects, cogs=0, rate=RATE):
     values = np.array([effects.get(name, 0.0) for name in EFFECTS])
-    step = resisted_plant_with(PlantModel(), np.zeros(len(FACTORS)), values, 1.0 / RATE)
+    step = resisted_plant_with(PlantModel(), np.zeros(len(FACTORS)), values, 1.0 / rate)
     step, state = with_cogs(step, cogs, 0.0, values), AT_REST
     found = []
     for voltage in voltages:
@@ -66,7 +68,7 @@ def positions_of_twin(voltages, effects, cogs=0):
     return np.array(found)
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize("name", [name for name, (_, effects) in MACHINES.items() if effects])
 def test_it_moves_as_the_plant_does(name):
     model, effects = MACHINES[name]
     # Held for 2 ms as a controller does, through zero, slow and fast, against all resistances.
@@ -79,6 +81,38 @@ def test_it_moves_as_the_plant_does(name):
     moved = np.abs(without - expected).max()
     assert moved > 5e-7
     assert np.abs(found - expected).max() < 0.05 * moved
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_in_long_steps_a_motor_stops_turns_and_breaks_loose_as_in_short_ones(name):
+    model, effects = MACHINES[name]
+    rate, hold = 1000.0, 2
+    # As a loop that seeks its place: the motor stops, turns and breaks loose many times a second.
+    times = np.floor(np.arange(round(2.0 * rate)) / hold) * hold / rate
+    voltages = (np.sin(2.0 * np.pi * 13.0 * times) + 0.1 * np.sin(11.0 * times)).tolist()
+    friction = {"friction_voltage": FRICTION / PER_VOLT}
+    expected = positions_of_plant(model, voltages, rate, sub_steps=100)
+    found = positions_of_twin(voltages, friction | effects, COGS, rate)
+    assert np.ptp(expected) > 5e-5
+    assert np.abs(found - expected).max() < 1e-7
+
+
+@pytest.mark.parametrize(
+    ("rate", "effects", "parts"),
+    [
+        (5000.0, {"friction_voltage": 0.15}, 1),
+        (1000.0, {"friction_voltage": 0.15}, 5),
+        (1000.0, {"friction_voltage": 0.9 * LEAST_HOLDING}, 1),
+        (1000.0, {"friction_voltage": 0.15, "yield_angle": 0.01}, 1),
+    ],
+)
+def test_a_sample_has_parts_where_rigid_friction_holds_for_long(rate, effects, parts):
+    values = np.array([effects.get(name, 0.0) for name in EFFECTS])
+    step = resisted_plant_with(PlantModel(), np.zeros(len(FACTORS)), values, 1.0 / rate)
+    assert step.parts == parts
+    expected = discretize_resisted_motor(MotorParameters(), 1.0 / rate / parts)
+    assert np.array(step.in_part.motor) == pytest.approx(np.array(expected.motor), rel=1e-9)
+    assert step.in_part[1:] == pytest.approx(expected[1:], rel=1e-9)
 
 
 def test_stribecks_curve_is_that_of_the_plant():

@@ -191,7 +191,8 @@ def test_a_slight_walk_of_the_window_before_does_not_keep_a_wrong_beginning(clos
 @pytest.mark.parametrize(("wrong", "fits"), [(None, 1), (60.0, 2)])
 def test_the_work_of_a_window_is_limited(closed_loop, simulated, monkeypatch, wrong, fits):
     """A position that no model explains makes every fit go on as long as it may."""
-    monkeypatch.setattr(window_search, "MOST_SAMPLES", 12000)
+    for most in ("MOST_SAMPLES", "MOST_FOLLOWING"):
+        monkeypatch.setattr(window_search, most, 12000)
     window = window_of(closed_loop(15.0))
     walk = np.cumsum(np.random.default_rng(1).normal(scale=1e-6, size=12000))
     stretch = window.stretches[0]

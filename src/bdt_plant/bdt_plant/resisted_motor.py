@@ -47,7 +47,22 @@ class ResistedMotor(NamedTuple):
 
 def discretize_resisted_motor(motor: MotorParameters, step_time: float) -> ResistedMotor:
     """Return a motor for steps of `step_time` [s]."""
-    step, resistance = discretize_motor(motor, step_time), float(motor.resistance)
+    return resisted_motor(discretize_motor(motor, step_time), motor, step_time)
+
+
+def resisted_motor(step: DiscreteMotor, motor: MotorParameters, step_time: float) -> ResistedMotor:
+    """Return a motor whose discrete model without resistance is known.
+
+    Parameters
+    ----------
+    step : DiscreteMotor
+        Motor without resistance over one step.
+    motor : MotorParameters
+        Constants of the motor.
+    step_time : float
+        Time that a step takes [s].
+    """
+    resistance = float(motor.resistance)
     return ResistedMotor(
         step,
         resistance,

@@ -24,7 +24,7 @@ from bdt_twin.window_search import fit_another_machine
 
 EVERY = 3
 """Windows from one comparison to the next where the machine's friction is certain."""
-MUCH_WORK = 360_000
+MUCH_WORK = 500_000
 """Simulated samples of a window's own fits that leave no time for another one."""
 LEAST_FRICTION = 5e-3
 """Voltage of the friction from which on it matters whether it yields [V]."""
@@ -52,20 +52,22 @@ class AlternativeFriction:
         self._machine: MachineMemory | None = None
         self._last: Predecessor | None = None
 
-    def doubt(self, fit: Fit) -> float:
+    def doubt(self, fit: Fit, pitch: float) -> float:
         """Return the standard uncertainty of a gap because friction may not be as it is thought.
 
         Parameters
         ----------
         fit : Fit
             The fit that tells the gap.
+        pitch : float
+            Travel of the screw per angle [m/rad].
 
         Returns
         -------
         float
             The uncertainty [rad].
         """
-        hidden = yielding_doubt(fit, openness=self._evidence.openness)
+        hidden = yielding_doubt(fit, pitch, openness=self._evidence.openness)
         return math.hypot(hidden, self._evidence.doubt)
 
     def better(

@@ -1,13 +1,14 @@
 """What the fit of a window has found."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bdt_twin.forward_model import StretchResponse
 from bdt_twin.innovations import NoiseLevels, Whitening
+from bdt_twin.linearization import Linearization
 from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.noise_levels import EXPLAINED
 from bdt_twin.unknowns import Unknowns
@@ -31,19 +32,12 @@ class Fit:
         Geometric mean of the standard deviations of the innovations [m].
     levels : NoiseLevels
         What of the residual is noise of the reading, and what of the machine.
-    prior : ndarray, shape (unknowns, unknowns)
-        Inverse covariance of the unknowns before any data.
-    covariance : ndarray, shape (unknowns, unknowns)
-        Covariance of the unknowns.
-    pending : ndarray, shape (unknowns,)
-        The step that the fit did not make, because it was at its end, or because no part of it
-        made the fit better.
     simulated : int
         Samples simulated until there was this fit, for those that were left, too.
     whitening : Whitening
         The filter that makes innovations of the residual.
-    evidence : ndarray, shape (effects,)
-        Gain of log-likelihood by each of ``EFFECTS`` that the machine is thought not to have.
+    around : Linearization
+        The problem around the end of the fit.
     """
 
     unknowns: Unknowns
@@ -51,12 +45,33 @@ class Fit:
     residual: float
     prediction_error: float
     levels: NoiseLevels
-    prior: FloatArray
-    covariance: FloatArray
-    pending: FloatArray
     simulated: int
     whitening: Whitening
-    evidence: FloatArray
+    around: Linearization
+
+    @property
+    def prior(self) -> FloatArray:
+        """Inverse covariance of the unknowns before any data, shape (unknowns, unknowns)."""
+        return self.around.slopes.prior
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the unknowns, shape (unknowns, unknowns)."""
+        return self.around.covariance
+
+    @property
+    def pending(self) -> FloatArray:
+        """The step that was not made, because the fit was at its end or no part of it helped."""
+        return self.around.pending
+
+    @property
+    def evidence(self) -> FloatArray:
+        """Gain of log-likelihood by each of ``EFFECTS`` that the machine is thought not to have."""
+        return self.around.evidence
+
+    def with_covariance(self, covariance: FloatArray) -> "Fit":
+        """Return the fit with another covariance of the unknowns, shape (unknowns, unknowns)."""
+        return replace(self, around=self.around.with_covariance(covariance))
 
     @property
     def innovations(self) -> FloatArray:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import exponential
+from bdt_plant.motor import DiscreteMotor, discretize_motor
 from bdt_plant.plant import DiscretePlant, PlantModel, discretize_plant
 from bdt_plant.quick_exponential import quick_exponential
 from bdt_plant.structure import DiscreteStructure, discretize_structure
@@ -94,6 +95,22 @@ def plant_step_with(model: PlantModel, factors: FloatArray, sample_time: float) 
         contact=type(origin.contact)(*_rows(contact, 4)),
         pitch=float(origin.pitch),
     )
+
+
+def motor_step_with(model: PlantModel, factors: FloatArray, step_time: float) -> DiscreteMotor:
+    """Return the discrete model of the motor with its factors, interpolated.
+
+    Parameters
+    ----------
+    model : PlantModel
+        Constants of the mechanism without factors.
+    factors : ndarray, shape (3,) or (4,)
+        Natural logarithms of ``FACTORS`` or of all ``MODEL_FACTORS``; the motor has the gain alone.
+    step_time : float
+        Time that a step takes [s].
+    """
+    of_motor = _of_all(factors) * (1.0 - OF_STRUCTURE)
+    return DiscreteMotor(*_rows(_motor_grid(model, step_time).numbers_at(of_motor), 3))
 
 
 def block_model_with(
@@ -189,6 +206,17 @@ def _plant_grid(model: PlantModel, sample_time: float) -> _Grid:
         return np.array([number for row in rows for number in row], dtype=np.float64)
 
     return _Grid(numbers, discretize_plant(model, sample_time))
+
+
+@lru_cache(maxsize=MOST_GRIDS)
+def _motor_grid(model: PlantModel, step_time: float) -> _Grid:
+    """Return the grid of the discrete motor."""
+
+    def numbers(point: Point) -> FloatArray:
+        motor = model_with(model, FACTOR_GRID * point).motor
+        return np.array(discretize_motor(motor, step_time, quick_exponential)).ravel()
+
+    return _Grid(numbers)
 
 
 @lru_cache(maxsize=MOST_GRIDS)

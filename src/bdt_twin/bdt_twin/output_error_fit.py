@@ -1,6 +1,7 @@
 """Nonlinear least squares of the forward model over one window."""
 
 import math
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -13,9 +14,10 @@ from bdt_twin.fit_doubt import doubted_weights, huber_weights
 from bdt_twin.fit_result import Fit
 from bdt_twin.fixed_order import dot, mean, product, total, weighted_products
 from bdt_twin.forward_model import StretchResponse
-from bdt_twin.information import inverse, solved
+from bdt_twin.information import solved
 from bdt_twin.innovations import DeviationModel, NoiseLevels, Whitening
-from bdt_twin.machine_knowledge import EFFECT_SPREAD, EFFECTS, MachineKnowledge
+from bdt_twin.linearization import Linearization, Slopes
+from bdt_twin.machine_knowledge import MachineKnowledge
 from bdt_twin.model_factors import FACTORS
 from bdt_twin.noise_levels import (
     HUBER,
@@ -236,49 +238,27 @@ class WindowFit:
             walks = is_walking(levels, self._window.motion)
             levels, error = self._levels(point, levels, MOST_LEVELS if walks else 1)
             whitening = point.whitening(levels, PUSHED)
-        innovations = whitening.innovations
-        jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))
-        weights = doubted_weights(innovations, levels, self._window.block_rate)
-        told, prior = fisher_information(jacobian, weights), self._prior_at(point.unknowns)
-        gradient = self._gradient(point, jacobian, weights * innovations)
         return Fit(
             point.unknowns,
             point.responses,
             residual,
             error,
             levels,
-            prior,
-            inverse(told + prior),
-            solved(told + prior, gradient),
             simulations * self._window.samples,
             whitening,
-            _evidence(told, prior, gradient, point.unknowns.gaps.size + len(FACTORS)),
+            Linearization(
+                partial(self._slopes, point, whitening, levels),
+                point.unknowns.gaps.size + len(FACTORS),
+            ),
         )
 
-
-def _evidence(told: FloatArray, prior: FloatArray, gradient: FloatArray, first: int) -> FloatArray:
-    """Return the gain of log-likelihood by each effect if it were free, shape (effects,).
-
-    Parameters
-    ----------
-    told, prior : ndarray, shape (unknowns, unknowns)
-        Information from the data and before.
-    gradient : ndarray, shape (unknowns,)
-        Slope of the log-likelihood.
-    first : int
-        Place of the first effect.
-    """
-    information, gains = told + prior, np.zeros(len(EFFECTS))
-    for effect, spread in enumerate(EFFECT_SPREAD):
-        place = first + effect
-        others = np.delete(np.arange(len(information)), place)
-        coupling = information[others, place]
-        explained = solved(information[np.ix_(others, others)], coupling)
-        own = told[place, place] + 1.0 / (spread * spread) - dot(coupling, explained)
-        slope = gradient[place] - dot(explained, gradient[others])
-        if own > 0.0:
-            gains[effect] = 0.5 * slope * slope / own
-    return gains
+    def _slopes(self, point: _Point, whitening: Whitening, levels: NoiseLevels) -> Slopes:
+        """Return the slopes of the log-likelihood at the end of a fit."""
+        jacobian = whitening.apply(self._window.jacobian(point.unknowns, point.responses))
+        innovations = whitening.innovations
+        weights = doubted_weights(innovations, levels, self._window.block_rate)
+        told, prior = fisher_information(jacobian, weights), self._prior_at(point.unknowns)
+        return Slopes(told, prior, self._gradient(point, jacobian, weights * innovations))
 
 
 def _unpushed_levels(point: _Point, levels: NoiseLevels) -> NoiseLevels:

@@ -2,7 +2,8 @@
 
 What the paper leaves out acts on the motor only: its friction is larger at rest (Stribeck), and the
 structure resists the screw. Both are torques that are held over a sample, from the plant's own
-functions.
+functions. A long sample in which the motor stops, turns or breaks loose is taken in parts: there
+friction is not what is held.
 """
 
 from typing import NamedTuple
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from bdt_plant.elementary_functions import decaying_exponential
 from bdt_plant.lead_screw import contact_side, play
+from bdt_plant.motor import MotorState
 from bdt_plant.plant import DiscretePlant, PlantState
 from bdt_plant.resisted_motor import ResistedMotor, resisted_motor_step
 from bdt_plant.screw_load import ScrewLoad, backward_load, forward_load
@@ -78,6 +80,12 @@ class ResistedPlant(NamedTuple):
         Cogging of the motor.
     yield_angle : float
         Yield angle of friction that yields before it slides [rad]; 0 for a rigid one.
+    sample_time : float
+        Sample time [s].
+    parts : int
+        Parts in which a sample is taken where the motor stops, turns or breaks loose.
+    in_part : ResistedMotor
+        The motor alone over one of these.
     """
 
     plant: DiscretePlant
@@ -88,6 +96,9 @@ class ResistedPlant(NamedTuple):
     damping: float
     cogs: Cogs
     yield_angle: float
+    sample_time: float
+    parts: int
+    in_part: ResistedMotor
 
 
 def resisted_plant_step(
@@ -111,6 +122,51 @@ def resisted_plant_step(
     bends : ndarray, shape (springs,)
         Bends of the springs of friction that yields, at the beginning.
     """
+    driven = driven_screw(state, voltage, gap, step, step.motor, step.sample_time, bends)
+    if step.parts > 1 and turns(state.motor, driven.motor):
+        driven, part = state, step.sample_time / step.parts
+        for _ in range(step.parts):
+            driven = driven_screw(driven, voltage, gap, step, step.in_part, part, bends)
+    pitch = step.plant.pitch
+    structure = structure_step(
+        state.structure, pitch * state.theta_d, pitch * driven.theta_d, step.plant.structure
+    )
+    return PlantState(driven.motor, driven.theta_d, driven.contact, structure)
+
+
+def turns(before: MotorState, after: MotorState) -> bool:
+    """Tell whether a motor stops, turns back or breaks loose in between."""
+    return before.speed * after.speed <= 0.0 and before.speed != after.speed
+
+
+def driven_screw(
+    state: PlantState,
+    voltage: float,
+    gap: float,
+    step: ResistedPlant,
+    resisted: ResistedMotor,
+    step_time: float,
+    bends: FloatArray,
+) -> PlantState:
+    """Advance motor and screw by a step, while the structure waits.
+
+    Parameters
+    ----------
+    state : PlantState
+        State at the beginning of the step.
+    voltage : float
+        Motor voltage u [V], held over the step.
+    gap : float
+        Backlash gap theta_b [rad].
+    step : ResistedPlant
+        Discrete model of the plant.
+    resisted : ResistedMotor
+        The motor alone over the step.
+    step_time : float
+        Time that the step takes [s].
+    bends : ndarray, shape (springs,)
+        Bends of the springs of friction that yields, at the beginning.
+    """
     law, speed = step.friction, state.motor.speed
     is_slow = law.excess > 0.0 and abs(speed) < FAST * law.stribeck_speed
     is_loaded = step.load.against > 0.0 and state.contact != 0
@@ -121,7 +177,8 @@ def resisted_plant_step(
         backward = backward_load(force, state.contact, gap, step.load)
     load = 0.0
     if step.cogs.periods_per_radian > 0.0 and abs(speed) < COGGED_SPEED:
-        sine, cosine = cog_wave(state.motor.angle * step.cogs.periods_per_radian)
+        middle_angle = state.motor.angle + 0.5 * step_time * speed
+        sine, cosine = cog_wave(middle_angle * step.cogs.periods_per_radian)
         load = step.cogs.sine * sine + step.cogs.cosine * cosine
     middle, motor = speed, state.motor
     # A second time with the friction of the speed in the middle of the sample.
@@ -132,22 +189,18 @@ def resisted_plant_step(
         if step.yield_angle > 0.0:
             loads = load, backward, forward
             motor = yielding_motor_step(
-                state.motor, voltage, loads, size, bends, step.yield_angle, step.motor
+                state.motor, voltage, loads, size, bends, step.yield_angle, resisted
             )
         else:
             motor = resisted_motor_step(
-                state.motor, voltage, load, backward + size, forward + size, step.motor
+                state.motor, voltage, load, backward + size, forward + size, resisted
             )
         if speed * motor.speed <= 0.0:
             break
         middle = 0.5 * (speed + motor.speed)
     theta_d = play(state.theta_d, motor.angle, gap)
     contact = contact_side(theta_d, motor.angle, gap)
-    pitch = step.plant.pitch
-    structure = structure_step(
-        state.structure, pitch * state.theta_d, pitch * theta_d, step.plant.structure
-    )
-    return PlantState(motor, theta_d, contact, structure)
+    return PlantState(motor, theta_d, contact, state.structure)
 
 
 def screw_force(state: PlantState, step: ResistedPlant) -> float:

@@ -25,11 +25,13 @@ from bdt_twin.resisted_plant import (
     FAST,
     NO_COGS,
     ResistedPlant,
+    driven_screw,
     resisted_plant_step,
     screw_force,
     slope_left,
     slow_share,
     steepness,
+    turns,
 )
 from bdt_twin.yielding_friction import (
     PER_SLIP_ANGLE,
@@ -94,6 +96,8 @@ def compiled_window() -> Any:
 STEPS = (
     plant_step,
     resisted_plant_step,
+    driven_screw,
+    turns,
     screw_force,
     slow_share,
     steepness,
@@ -111,16 +115,20 @@ STEPS = (
 
 
 def _model_step() -> ResistedPlant:
-    model = PlantModel()
+    model, sample_time = PlantModel(), 2e-4
+    motor = discretize_resisted_motor(model.motor, sample_time)
     return ResistedPlant(
-        discretize_plant(model, 2e-4),
-        discretize_resisted_motor(model.motor, 2e-4),
+        discretize_plant(model, sample_time),
+        motor,
         friction_law(model.motor, model.stribeck),
         ScrewLoad(0.0, 0.0),
         0.0,
         0.0,
         NO_COGS,
         0.0,
+        sample_time,
+        1,
+        motor,
     )
 
 
@@ -159,6 +167,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         per_bend = 1.0 / (SPRINGS * yield_angle * taken) if yields else 0.0
         per_turn = 1.0 / (SPRINGS * yield_angle * back_emf) if yields else 0.0
         is_resisted = yields or law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
+        is_resisted = is_resisted or step.parts > 1
         lags = per_lag.size > 0
         changes, pitch = change.growth != 0.0 or change.slope != 0.0, step.plant.pitch
         per_speed = 1.0 / law.stribeck_speed
@@ -222,7 +231,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         if force * state.contact > 0.0 and speed * state.contact > 0.0:
                             drives[5] += felt * force
                     if cogs > 0.0 and abs(speed) < COGGED_SPEED:
-                        sine, cosine = cog_wave(state.motor.angle * cogs)
+                        sine, cosine = cog_wave((state.motor.angle - 0.5 * turned) * cogs)
                         drives[6] += felt * sine
                         drives[7] += felt * cosine
                     drives[8] += sign * felt * lasted

@@ -24,7 +24,7 @@ from bdt_twin.innovations import DeviationModel, Motion
 from bdt_twin.machine_knowledge import EFFECTS, THREAD, TOP_MASS
 from bdt_twin.model_factors import FACTORS, MODEL_FACTORS, block_model_with, plant_step_with
 from bdt_twin.play_bases import play_bases
-from bdt_twin.resisted_model import resisted_plant_with, with_cogs
+from bdt_twin.resisted_model import LONGEST_PART, resisted_plant_with, with_cogs
 from bdt_twin.stretch import LEAD, Stretch
 from bdt_twin.structure_responses import structure_responses
 from bdt_twin.thread_error import thread_response, thread_waves
@@ -55,6 +55,8 @@ class WindowModel:
     cogs : int
         Periods of the motor's cogging in a turn; 0 for none.
     """
+
+    longest_part = LONGEST_PART
 
     def __init__(
         self,
@@ -97,13 +99,16 @@ class WindowModel:
         stretches = [
             stretch.averaged(every, block)._replace(readings=None) for stretch in self.stretches
         ]
-        return WindowModel(self._model, stretches, self.knots, rate, block, self.cogs)
+        copy = WindowModel(self._model, stretches, self.knots, rate, block, self.cogs)
+        copy.longest_part = np.inf
+        return copy
 
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
         """Simulate each stretch."""
         effect = dict(zip(EFFECTS, unknowns.effects.tolist(), strict=True))
         friction, sample_time = unknowns.friction, 1.0 / self.sampling_rate
-        step = resisted_plant_with(self._model, unknowns.factors, unknowns.effects, sample_time)
+        of_step = unknowns.factors, unknowns.effects, sample_time, self.longest_part
+        step = resisted_plant_with(self._model, *of_step)
         gain = float_exponential(float(unknowns.factors[FACTORS.index("gain")]))
         back_emf = self._model.motor.back_emf_constant / gain
         responses = []
@@ -140,9 +145,8 @@ class WindowModel:
             reading = run.position + beginning[1]
             thread = unknowns.effects[sorted(THREAD)]
             if thread.any():
-                turns = self.screw_turns(unknowns, number)
-                step_by_block = self.block_step(unknowns)
-                reading += thread_response(step_by_block, run.screw, turns, thread, self.block)
+                given = self.block_step(unknowns), run.screw, self.screw_turns(unknowns, number)
+                reading += thread_response(*given, thread, self.block)
             if effect["drift"]:
                 reading += effect["drift"] * self._times[number]
             if effect["delay"]:
@@ -227,8 +231,8 @@ class WindowModel:
 
     def sample_step(self, unknowns: Unknowns) -> DiscreteStructure:
         """Return the structure's model from sample to sample."""
-        given = self._model, unknowns.model_factors, 1.0 / self.sampling_rate
-        return plant_step_with(*given).structure
+        sample_time = 1.0 / self.sampling_rate
+        return plant_step_with(self._model, unknowns.model_factors, sample_time).structure
 
     def screw_turns(self, unknowns: Unknowns, number: int) -> float:
         """Return how often the screw has turned when a stretch begins, from the reading there."""
@@ -245,8 +249,7 @@ class WindowModel:
     ) -> DeviationModel:
         """Return the system that noise drives over the window, for a simulation of it."""
         motions = [Motion(run.fast, run.slow, run.contact) for run in responses]
-        step = self.block_step(unknowns)
-        return DeviationModel(step, 1.0 / self.block_rate, motions)
+        return DeviationModel(self.block_step(unknowns), 1.0 / self.block_rate, motions)
 
     @cached_property
     def span(self) -> tuple[float, float]:

@@ -28,8 +28,9 @@ ROUGH, FINE = 5, 12
 """Largest numbers of steps of a fit to choose a beginning by, and of one that counts."""
 PREDICTION_SIMULATIONS = 4
 """Simulations after which a prediction has to describe the data."""
-MOST_SAMPLES = 240_000
-"""Samples that a fit may simulate, which bounds the time that it takes."""
+MOST_SAMPLES, MOST_FOLLOWING, MOST_OF_ANOTHER = 240_000, 200_000, 100_000
+"""Samples that a fit may simulate that begins somewhere, that follows a prediction, and that is of
+another machine: this bounds the time that it takes."""
 FEWEST_SIMULATIONS = 9
 """Simulations that a fit may make, however long the window is."""
 FEWEST_OF_ANOTHER = 3
@@ -89,7 +90,8 @@ def fit_window(
         the newest data unexplained.
     """
     problem = WindowFit(window, growth_change, machine)
-    simulations = max(MOST_SAMPLES // window.samples, FEWEST_SIMULATIONS)
+    most = MOST_SAMPLES if predicted is None else MOST_FOLLOWING
+    simulations = max(most // window.samples, FEWEST_SIMULATIONS)
     if predicted is None:
         return _from_many(problem, window, growth_change, machine, simulations)
     enough = _enough(window, error)
@@ -148,7 +150,7 @@ def fit_another_machine(
         Levels of noise of the fit that it is compared with.
     """
     problem = WindowFit(window, growth_change, machine)
-    simulations = max(MOST_SAMPLES // window.samples, FEWEST_OF_ANOTHER)
+    simulations = max(MOST_OF_ANOTHER // window.samples, FEWEST_OF_ANOTHER)
     # What a model explains is not taken for a walk of the motor only because it was before.
     first = quiet(levels) if is_restless(levels) else levels
     return problem.solve(begun, FINE, simulations, levels=first)

@@ -257,7 +257,7 @@ def test_cogging_that_is_not_told_is_none(cogged):
     covariance = fit.covariance.copy()
     first = fit.unknowns.gaps.size
     covariance[first + place, first + place] = 1.0
-    found = replace(cogged.found, fit=replace(fit, covariance=covariance))
+    found = replace(cogged.found, fit=fit.with_covariance(covariance))
     constants = machine_constants(cogged.start, found, (GAP, 0.1), 1e-3)
     assert not constants["motor.cogging_torque"].determined
     assert constants["motor.cogging_torque"].value == 0.0

@@ -5,6 +5,7 @@ right but for the transients. Over a minute those are what tells an offset from 
 gap that grows, and a fit with slopes that are off there creeps along.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +25,9 @@ CHANGE = 1e-4
 
 class CalibrationWindow(WindowModel):
     """The forward model of the telemetry of a calibration; see :class:`WindowModel`."""
+
+    # Slopes from the simulation want one that is smooth: no sample changes over to parts.
+    longest_part = math.inf
 
     def coarse(self, lowest_rate: float, lowest_block_rate: float) -> "CalibrationWindow":
         """Return the window with fewer samples and blocks; see :meth:`WindowModel.coarse`."""

@@ -50,7 +50,7 @@ def best_of_valley(window: CalibrationWindow, fit: Fit, known: MachineKnowledge)
         As unsure as parts of the data disagree, or as another fit says that is far off for the
         log-likelihood which it loses.
     """
-    fit = replace(fit, covariance=segment_covariance(window, fit))
+    fit = fit.with_covariance(segment_covariance(window, fit))
     reversals = window.reversals(fit.responses)
     if not reversals:
         return fit
@@ -62,7 +62,7 @@ def best_of_valley(window: CalibrationWindow, fit: Fit, known: MachineKnowledge)
         best = min(others or [fit], key=lambda each: each.prediction_error)
         if best.gain_over(fit) < GAIN:
             break
-        fit = replace(best, covariance=segment_covariance(window, best))
+        fit = best.with_covariance(segment_covariance(window, best))
     covariance = fit.covariance.copy()
     for other in others:
         difference = other.unknowns.as_vector() - fit.unknowns.as_vector()
@@ -71,7 +71,7 @@ def best_of_valley(window: CalibrationWindow, fit: Fit, known: MachineKnowledge)
         lacking = variance - _variance(covariance, weights)
         if lacking > 0.0:
             covariance += lacking * np.outer(difference, difference) / (moved * moved)
-    return replace(fit, covariance=covariance)
+    return fit.with_covariance(covariance)
 
 
 def _variance(covariance: FloatArray, weights: FloatArray) -> float:
