@@ -54,6 +54,11 @@ class WindowModel:
         Samples in a block.
     cogs : int
         Periods of the motor's cogging in a turn; 0 for none.
+
+    Attributes
+    ----------
+    longest_part : float
+        Time that a motor takes to stop in a single step [s]; see :func:`resisted_plant_with`.
     """
 
     longest_part = LONGEST_PART
@@ -99,9 +104,9 @@ class WindowModel:
         stretches = [
             stretch.averaged(every, block)._replace(readings=None) for stretch in self.stretches
         ]
-        copy = WindowModel(self._model, stretches, self.knots, rate, block, self.cogs)
-        copy.longest_part = np.inf
-        return copy
+        window = WindowModel(self._model, stretches, self.knots, rate, block, self.cogs)
+        window.longest_part = np.inf
+        return window
 
     def simulate(self, unknowns: Unknowns) -> list[StretchResponse]:
         """Simulate each stretch."""
