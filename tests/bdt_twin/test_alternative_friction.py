@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from recorded_machine import Run, record
-from unknown_machine import PITCH, UnknownMachine
+from unknown_machine import UnknownMachine
 
 from bdt_plant.motor import MotorParameters
 from bdt_plant.plant import PlantModel
@@ -20,7 +20,7 @@ from bdt_twin.alternative_friction import (
 )
 from bdt_twin.effect_trials import TRIALS
 from bdt_twin.friction_evidence import BELIEVED, CERTAIN, EXPLAINED_GAIN, LARGE_ANGLE, MOST_GAIN
-from bdt_twin.gap_doubt import UNEXPLAINED_YIELDING, yielding_doubt
+from bdt_twin.gap_doubt import UNEXPLAINED_YIELDING, UNSEEN_YIELDING
 from bdt_twin.innovations import NoiseLevels
 from bdt_twin.machine_knowledge import EFFECTS, YIELD_ANGLE
 from bdt_twin.machine_memory import MachineMemory
@@ -171,10 +171,10 @@ def test_fits_with_the_other_friction_begin_anew_once_the_machine_is_another_one
 def test_the_gap_is_less_sure_until_the_friction_is_certain():
     window, fit = explained()
     friction, memory = AlternativeFriction(), memory_of_friction()
-    assert friction.doubt(fit, PITCH) == UNEXPLAINED_YIELDING
+    assert friction.doubt(fit) == UNEXPLAINED_YIELDING
     for _ in range(math.ceil(CERTAIN / EXPLAINED_GAIN)):
         friction.better(window, fit, memory, CHANGE)
-    assert friction.doubt(fit, PITCH) == yielding_doubt(fit, PITCH, openness=0.0)
+    assert friction.doubt(fit) == UNSEEN_YIELDING
 
 
 def test_the_gap_is_less_sure_as_long_as_another_one_may_be_true():
@@ -189,11 +189,11 @@ def test_the_gap_is_less_sure_as_long_as_another_one_may_be_true():
     told = Other([MUCH] * (FULL - 1) + [-MOST_GAIN] * 9)
     for _ in range(FULL - 1):
         told.better(window, fit, memory_of_friction(), CHANGE)
-    unsure = told.doubt(fit, PITCH)
+    unsure = told.doubt(fit)
     assert 0.05 < unsure < 0.1
     while told.waiting:
         told.better(window, fit, memory_of_friction(), CHANGE)
-    assert told.doubt(fit, PITCH) == UNEXPLAINED_YIELDING
+    assert told.doubt(fit) == UNEXPLAINED_YIELDING
 
 
 @pytest.mark.parametrize("case", ["at rest", "much work"])

@@ -52,22 +52,20 @@ class AlternativeFriction:
         self._machine: MachineMemory | None = None
         self._last: Predecessor | None = None
 
-    def doubt(self, fit: Fit, pitch: float) -> float:
+    def doubt(self, fit: Fit) -> float:
         """Return the standard uncertainty of a gap because friction may not be as it is thought.
 
         Parameters
         ----------
         fit : Fit
             The fit that tells the gap.
-        pitch : float
-            Travel of the screw per angle [m/rad].
 
         Returns
         -------
         float
             The uncertainty [rad].
         """
-        hidden = yielding_doubt(fit, pitch, openness=self._evidence.openness)
+        hidden = yielding_doubt(fit, openness=self._evidence.openness)
         return math.hypot(hidden, self._evidence.doubt)
 
     def better(

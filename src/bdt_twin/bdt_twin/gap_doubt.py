@@ -6,9 +6,9 @@ import numpy as np
 
 from bdt_twin.fit_doubt import FIRST_DOUBT
 from bdt_twin.fit_result import Fit
-from bdt_twin.machine_knowledge import COGGING, YIELD_ANGLE
+from bdt_twin.machine_knowledge import YIELD_ANGLE
 from bdt_twin.machine_memory import SMALLEST_FRICTION
-from bdt_twin.noise_levels import is_restless, motor_walk
+from bdt_twin.noise_levels import is_restless
 from bdt_twin.unknowns import SMALLEST_YIELD_ANGLE
 from bdt_twin.wave_problem import WaveProblem
 from bdt_twin.window_model import WindowModel
@@ -17,9 +17,7 @@ YIELDING_DOUBT = 0.2
 """Share of the angle by which friction yields that is not told."""
 KNOWN_YIELDING, UNSEEN_YIELDING, UNEXPLAINED_YIELDING = 1.5e-3, 2e-3, 6e-3
 """Angles by which friction that yields may shift a gap beside what is told [rad]: where it is known
-to yield, and at most where it is thought to be rigid, for certain and where that is open."""
-UNNOTICED = 0.25
-"""Walk of the motor in a second, over the noise of a reading, that a fit may not notice."""
+to yield, and where it is thought to be rigid, for certain and where that is open."""
 ALIKE = 4.0
 """Reversals up to which it matters that they are alike: cogging that is unknown moves a motor that
 hardly turns at each of them in the same way."""
@@ -66,18 +64,15 @@ def doubted(
     return math.hypot(uncertainty, fits.doubt(weights))
 
 
-def yielding_doubt(fit: Fit, pitch: float, *, openness: float) -> float:
+def yielding_doubt(fit: Fit, *, openness: float) -> float:
     """Return by how much friction that yields may shift a gap and not be told [rad].
 
-    It does so alike at each reversal, which no residual shows, but it lets the motor walk by about
-    as much in a second, unless waves of cogging explain that.
+    It does so alike at each reversal, which no residual shows.
 
     Parameters
     ----------
     fit : Fit
         The fit of a window.
-    pitch : float
-        Travel of the screw per angle [m/rad].
     openness : float
         How open it is that friction which is thought to be rigid yields, from 0 to 1.
     """
@@ -88,8 +83,4 @@ def yielding_doubt(fit: Fit, pitch: float, *, openness: float) -> float:
         return 0.0
     if is_restless(fit.levels):
         openness = 1.0
-    unseen = UNSEEN_YIELDING
-    if not fit.unknowns.effects[sorted(COGGING)].any():
-        walk = max(motor_walk(fit.levels), UNNOTICED * fit.levels.reading)
-        unseen = min(walk / pitch, UNSEEN_YIELDING)
-    return unseen + openness * (UNEXPLAINED_YIELDING - unseen)
+    return UNSEEN_YIELDING + openness * (UNEXPLAINED_YIELDING - UNSEEN_YIELDING)

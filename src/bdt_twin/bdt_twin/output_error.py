@@ -259,7 +259,7 @@ class OutputErrorEstimator:
         estimate = Estimate(
             time=stamp,
             gap=gap,
-            uncertainty=math.hypot(uncertainty, self._friction.doubt(fit, window.pitch), jump),
+            uncertainty=math.hypot(uncertainty, self._friction.doubt(fit), jump),
             growth=growth,
             growth_uncertainty=math.hypot(growth_uncertainty, sudden),
             gain_correction=gain,

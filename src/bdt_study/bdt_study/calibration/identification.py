@@ -37,7 +37,6 @@ from bdt_twin.fit_result import Fit
 from bdt_twin.gap_doubt import yielding_doubt
 from bdt_twin.machine_knowledge import EFFECTS, THREAD_PARTS, MachineKnowledge
 from bdt_twin.model_factors import FACTORS, model_with
-from bdt_twin.noise_levels import motor_walk
 from bdt_twin.output_error_fit import WindowFit
 from bdt_twin.unknowns import Unknowns
 from bdt_twin.window_search import initial_conditions_at_rest
@@ -95,12 +94,12 @@ class Identification:
         weights = self.window.weights(np.array([time]))[:, 0]
         gap = float(weights @ self.fit.unknowns.gaps)
         uncertainty = math.sqrt(float(weights @ self.fit.gap_covariance @ weights))
-        pitch = float(self.model.lead_screw.pitch)
         if gap < NO_GAP:
             # Noise of the machine at reversals can hide a gap, and no gap can be negative.
-            hidden = HIDDEN_WALK * motor_walk(self.fit.levels) / pitch
+            walk = max(self.fit.levels.fast, self.fit.levels.slow)
+            hidden = HIDDEN_WALK * walk / self.model.lead_screw.pitch
             uncertainty = math.hypot(uncertainty, hidden)
-        return gap, math.hypot(uncertainty, yielding_doubt(self.fit, pitch, openness=0.0))
+        return gap, math.hypot(uncertainty, yielding_doubt(self.fit, openness=0.0))
 
     @property
     def explains(self) -> bool:
