@@ -168,9 +168,8 @@ def test_a_gap_that_has_jumped_is_not_stated_as_it_was_nor_as_a_fit_has_it_halfw
 
 def test_intervals_hold_over_all_machines_and_are_not_too_wide():
     found = [result(name) for name in MACHINES]
-    errors, uncertainties = (
-        np.abs(np.concatenate([each[place] for each in found])) for place in (1, 2)
-    )
+    errors = np.abs(np.concatenate([each.errors for each in found]))
+    uncertainties = np.concatenate([each.uncertainties for each in found])
     assert np.mean(errors < 1.96 * uncertainties) > 0.87
     # No friction here yields, which nothing tells: an interval has to have room for it.
     hidden = np.rad2deg(UNSEEN_YIELDING)

@@ -35,6 +35,11 @@ class Slopes(NamedTuple):
     prior: FloatArray
     gradient: FloatArray
 
+    @property
+    def information(self) -> FloatArray:
+        """Information of the data and of what was known before, shape (unknowns, unknowns)."""
+        return self.told + self.prior
+
 
 class Linearization:
     """The problem of a fit around its end.
@@ -71,18 +76,18 @@ class Linearization:
         """Covariance of the unknowns, shape (unknowns, unknowns)."""
         if self._known is not None:
             return self._known
-        return inverse(self.slopes.told + self.slopes.prior)
+        return inverse(self.slopes.information)
 
     @cached_property
     def pending(self) -> FloatArray:
         """The step that comes next, shape (unknowns,)."""
-        return solved(self.slopes.told + self.slopes.prior, self.slopes.gradient)
+        return solved(self.slopes.information, self.slopes.gradient)
 
     @cached_property
     def evidence(self) -> FloatArray:
         """Gain of log-likelihood by each effect if it were free, shape (effects,)."""
-        told, prior, gradient = self.slopes
-        information, gains = told + prior, np.zeros(len(EFFECTS))
+        told, _, gradient = self.slopes
+        information, gains = self.slopes.information, np.zeros(len(EFFECTS))
         for effect, spread in enumerate(EFFECT_SPREAD):
             place = self._first_effect + effect
             others = np.delete(np.arange(len(information)), place)

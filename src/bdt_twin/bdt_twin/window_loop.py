@@ -166,8 +166,9 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         slips = np.ones(SPRINGS)
         per_bend = 1.0 / (SPRINGS * yield_angle * taken) if yields else 0.0
         per_turn = 1.0 / (SPRINGS * yield_angle * back_emf) if yields else 0.0
-        is_resisted = yields or law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
-        is_resisted = is_resisted or step.parts > 1
+        is_resisted = (
+            step.parts > 1 or yields or law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
+        )
         lags = per_lag.size > 0
         changes, pitch = change.growth != 0.0 or change.slope != 0.0, step.plant.pitch
         per_speed = 1.0 / law.stribeck_speed
