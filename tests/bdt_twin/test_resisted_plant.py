@@ -23,7 +23,6 @@ from bdt_twin.resisted_plant import (
     slow_share,
     steepness,
 )
-from bdt_twin.yielding_friction import SPRINGS
 
 RATE, GAP, COGS = 5000.0, np.deg2rad(10.0), 24
 FRICTION, EXCESS, EFFICIENCY, COGGING = 10e-3, 6e-3, 0.4, 2e-3
@@ -63,7 +62,7 @@ def positions_of_twin(voltages, effects, cogs=0, rate=RATE):
     step, state = with_cogs(step, cogs, 0.0, values), AT_REST
     found = []
     for voltage in voltages:
-        state = resisted_plant_step(state, voltage, GAP, step, np.zeros(SPRINGS))
+        state = resisted_plant_step(state, voltage, GAP, step, 0.0)
         found.append(state.structure.q3)
     return np.array(found)
 

@@ -12,9 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 
 LOGARITHM_OF_TWO = 0.6931471805599453
+PER_LOGARITHM_OF_TWO = 1.0 / LOGARITHM_OF_TWO
 HIGH_PART, LOW_PART = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 """The same in two parts, of which the high one times a whole number is exact."""
 FULL_TURN = 6.283185307179586
+EXPONENTIAL_SERIES = tuple(1.0 / math.factorial(order) for order in range(13, -1, -1))
+"""Coefficients of Taylor's series of the exponential function, the last ones first."""
+SMALL_EXPONENT = 1e-3
+"""Size of a negative exponent below which a few terms of the series are enough."""
 SMALLEST_EXPONENT = 700.0
 """Size of a negative exponent from which on the power of e counts as nothing."""
 ROOT_OF_A_HALF = 0.7071067811865476
@@ -114,8 +119,11 @@ def decaying_exponential(number: float) -> float:
     """Return exp(number) of a number that is not positive, right to 1e-15; a step function."""
     if number < -SMALLEST_EXPONENT:
         return 0.0
-    twos = math.floor(number / LOGARITHM_OF_TWO + 0.5)
-    rest, series = (number - twos * HIGH_PART) - twos * LOW_PART, 1.0
-    for order in range(13, 0, -1):
-        series = 1.0 + series * rest / order
-    return math.ldexp(series, int(twos))
+    if number > -SMALL_EXPONENT:
+        # The next term of the series is below 1e-17.
+        return 1.0 + number * (1.0 + number * (0.5 + number * (1.0 / 6.0 + number / 24.0)))
+    twos = math.floor(number * PER_LOGARITHM_OF_TWO + 0.5)
+    rest, series = (number - twos * HIGH_PART) - twos * LOW_PART, 0.0
+    for coefficient in EXPONENTIAL_SERIES:
+        series = coefficient + series * rest
+    return series if twos == 0 else math.ldexp(series, int(twos))

@@ -19,7 +19,6 @@ from bdt_twin.applied_voltage import PROMPT
 from bdt_twin.friction_change import UNCHANGED, FrictionChange
 from bdt_twin.resisted_plant import ResistedPlant
 from bdt_twin.window_loop import DRIVES, compiled_window
-from bdt_twin.yielding_friction import SPRINGS
 
 FloatArray = NDArray[np.float64]
 
@@ -159,7 +158,6 @@ def simulate_stretch(
     position, relative_angle, motor_angle = np.empty((3, voltage.size))
     blocks = np.zeros((7 + len(DRIVES), count))
     reversals = np.zeros(MOST_REVERSALS, dtype=np.int64)
-    bends = _first_bends(step, float(voltage[0]))
     found, travel = compiled_window()(
         step,
         state,
@@ -177,7 +175,7 @@ def simulate_stretch(
         motor_angle,
         blocks,
         reversals,
-        bends,
+        _first_bend(step, float(voltage[0])),
         per_lag,
     )
     screw, side, motor, sample, fast, slow, contact = blocks[:7]
@@ -200,11 +198,10 @@ def simulate_stretch(
     )
 
 
-def _first_bends(step: ResistedPlant, voltage: float) -> FloatArray:
-    """Return the bends of the springs that hold a motor with a voltage [V], shape (springs,)."""
+def _first_bend(step: ResistedPlant, voltage: float) -> float:
+    """Return the bend of friction that holds a motor with a voltage [V]."""
     taken = step.friction.coulomb * step.motor.resistance
-    share = min(max(voltage / taken, -1.0), 1.0) if taken > 0.0 else 0.0
-    return np.full(SPRINGS, share)
+    return min(max(voltage / taken, -1.0), 1.0) if taken > 0.0 else 0.0
 
 
 def initial_state(

@@ -102,7 +102,7 @@ class ResistedPlant(NamedTuple):
 
 
 def resisted_plant_step(
-    state: PlantState, voltage: float, gap: float, step: ResistedPlant, bends: FloatArray
+    state: PlantState, voltage: float, gap: float, step: ResistedPlant, bend: float
 ) -> PlantState:
     """Advance the plant by one sample (eqs 1, 2, 3 and 6, and what resists the motor).
 
@@ -119,14 +119,14 @@ def resisted_plant_step(
         Backlash gap theta_b [rad] at the end of the sample.
     step : ResistedPlant
         Discrete model of the plant.
-    bends : ndarray, shape (springs,)
-        Bends of the springs of friction that yields, at the beginning.
+    bend : float
+        Bend of friction that yields, at the beginning.
     """
-    driven = driven_screw(state, voltage, gap, step, step.motor, step.sample_time, bends)
+    driven = driven_screw(state, voltage, gap, step, step.motor, step.sample_time, bend)
     if step.parts > 1 and turns(state.motor, driven.motor):
         driven, part = state, step.sample_time / step.parts
         for _ in range(step.parts):
-            driven = driven_screw(driven, voltage, gap, step, step.in_part, part, bends)
+            driven = driven_screw(driven, voltage, gap, step, step.in_part, part, bend)
     pitch = step.plant.pitch
     structure = structure_step(
         state.structure, pitch * state.theta_d, pitch * driven.theta_d, step.plant.structure
@@ -146,7 +146,7 @@ def driven_screw(
     step: ResistedPlant,
     resisted: ResistedMotor,
     step_time: float,
-    bends: FloatArray,
+    bend: float,
 ) -> PlantState:
     """Advance motor and screw by a step, while the structure waits.
 
@@ -164,8 +164,8 @@ def driven_screw(
         The motor alone over the step.
     step_time : float
         Time that the step takes [s].
-    bends : ndarray, shape (springs,)
-        Bends of the springs of friction that yields, at the beginning.
+    bend : float
+        Bend of friction that yields, at the beginning.
     """
     law, speed = step.friction, state.motor.speed
     is_slow = law.excess > 0.0 and abs(speed) < FAST * law.stribeck_speed
@@ -189,7 +189,7 @@ def driven_screw(
         if step.yield_angle > 0.0:
             loads = load, backward, forward
             motor = yielding_motor_step(
-                state.motor, voltage, loads, size, bends, step.yield_angle, resisted
+                state.motor, voltage, loads, size, bend, step.yield_angle, resisted
             )
         else:
             motor = resisted_motor_step(

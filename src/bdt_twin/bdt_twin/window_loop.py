@@ -33,15 +33,7 @@ from bdt_twin.resisted_plant import (
     steepness,
     turns,
 )
-from bdt_twin.yielding_friction import (
-    PER_SLIP_ANGLE,
-    SPRINGS,
-    bend_springs,
-    elastic_share,
-    held_share,
-    sliding_direction,
-    yielding_motor_step,
-)
+from bdt_twin.yielding_friction import bend_after, held_bend, way_left, yielding_motor_step
 
 FloatArray = NDArray[np.float64]
 
@@ -86,7 +78,7 @@ def compiled_window() -> Any:
             signal,
             types.Array(types.float64, 2, "C"),
             types.Array(types.int64, 1, "C"),
-            signal,
+            types.float64,
             signal,
         )
 
@@ -103,10 +95,9 @@ STEPS = (
     steepness,
     slope_left,
     cog_wave,
-    bend_springs,
-    elastic_share,
-    sliding_direction,
-    held_share,
+    way_left,
+    bend_after,
+    held_bend,
     yielding_motor_step,
     changed_share,
     felt_voltage,
@@ -150,7 +141,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         motor_angle: FloatArray,
         blocks: FloatArray,
         reversals: NDArray[np.int64],
-        bends: FloatArray,
+        bend: float,
         per_lag: FloatArray,
     ) -> tuple[int, float]:
         _ = sources
@@ -159,13 +150,11 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         begun = np.zeros(DRIVE_COUNT)
         law, cogs = step.friction, step.cogs.periods_per_radian
         taken, yield_angle = law.coulomb * step.motor.resistance, step.yield_angle
-        yields, sliding = taken > 0.0 and yield_angle > 0.0, 0.0
-        # Bends of springs when they last slipped or the stretch began, and the drives since when
-        # they hold back what turns the motor.
-        bent_from, held_from = bends.copy(), np.zeros((SPRINGS, DRIVE_COUNT))
-        slips = np.ones(SPRINGS)
-        per_bend = 1.0 / (SPRINGS * yield_angle * taken) if yields else 0.0
-        per_turn = 1.0 / (SPRINGS * yield_angle * back_emf) if yields else 0.0
+        yields = taken > 0.0 and yield_angle > 0.0
+        # What the bend knows of the drives, against which it holds the motor.
+        bent_by, driven = np.zeros(DRIVE_COUNT), np.zeros(DRIVE_COUNT)
+        per_turn = 1.0 / (yield_angle * back_emf) if yields else 0.0
+        per_yielding = 1.0 / (yield_angle * yield_angle * taken) if yields else 0.0
         is_resisted = (
             step.parts > 1 or yields or law.excess > 0.0 or step.load.against > 0.0 or cogs > 0.0
         )
@@ -189,7 +178,7 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                     if changes:
                         applied = felt_voltage(applied, state.motor.speed, time, place, change)
                     if is_resisted:
-                        state = resisted_plant_step(state, applied, gaps[k], step, bends)
+                        state = resisted_plant_step(state, applied, gaps[k], step, bend)
                     else:
                         state = plant_step(state, applied, gaps[k], step.plant)
                 speed = state.motor.speed
@@ -198,23 +187,22 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                 elif abs(speed) > TURNING or abs(voltage[k]) > standing_voltage:
                     slow += sample_time
                 turned = state.motor.angle - turned_from
-                if yields and turned * sliding <= 0.0:
-                    bend_springs(bends, turned, yield_angle)
-                    sliding = sliding_direction(bends)
-                    for spring in range(SPRINGS):
-                        if abs(bends[spring]) == 1.0:
-                            slips[spring], bent_from[spring] = 1.0, bends[spring]
-                        elif slips[spring] > 0.0:
-                            slips[spring] = 0.0
-                            held_from[spring] = drives
+                if yields and (abs(bend) < 1.0 or turned * bend < 0.0):
+                    left = way_left(turned, yield_angle)
+                    bend = bend_after(bend, turned, left)
+                    if abs(bend) == 1.0:
+                        bent_by[:] = 0.0
+                    else:
+                        bent_by *= left
+                        bent_by[10] += (turned - bend * abs(turned)) * per_yielding
                 if abs(speed) > TURNING:
                     # A voltage is felt more where friction falls with speed.
                     ahead = 1.0 if speed > 0.0 else -1.0
                     sign, felt, amplified = ahead, sample_time, 0.0
-                    holds, size = yields and sliding == 0.0, taken
+                    holds, size = yields and abs(bend) < 1.0, taken
                     if holds:
-                        # Springs that do not slip pull less than friction is.
-                        sign = elastic_share(bends, 0.0, yield_angle)
+                        sign = bend
+                        driven[:] = drives
                     ratio = abs(speed) * per_speed
                     if ratio < FAST:
                         share = slow_share(ratio)
@@ -240,19 +228,13 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                     if lags and k > 0:
                         drives[11] += felt * per_lag[k - 1]
                     if holds:
-                        stiffness = 0.0
-                        for spring in range(SPRINGS):
-                            if slips[spring] == 0.0:
-                                softened = felt * size * (bent_from[spring] - bends[spring])
-                                drives[10] += softened * per_bend
-                                stiff = felt * size * (PER_SLIP_ANGLE[spring] * per_turn)
-                                stiffness += stiff
-                                for drive in range(DRIVE_COUNT):
-                                    drives[drive] += stiff * held_from[spring, drive]
-                        if stiffness > 0.0:
-                            left = 1.0 / (1.0 + stiffness)
-                            for drive in range(DRIVE_COUNT):
-                                drives[drive] *= left
+                        per_drive = (1.0 - ahead * bend) * per_turn
+                        share = 1.0 / (1.0 + felt * size * per_drive)
+                        for drive in range(DRIVE_COUNT):
+                            moved = drives[drive] - driven[drive]
+                            moved = share * (moved - felt * size * bent_by[drive])
+                            drives[drive] = driven[drive] + moved
+                            bent_by[drive] += per_drive * moved
                 angle = state.theta_d
                 if angle != before:
                     last_side = 1.0 if angle > before else -1.0
