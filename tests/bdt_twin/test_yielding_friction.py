@@ -26,7 +26,6 @@ FRICTION_VOLTAGE = SIZE * MOTOR.resistance
 NOTHING = 0.0, 0.0, 0.0
 
 
-
 def bent(bend, turned, yield_angle):
     return bend_after(bend, turned, way_left(turned, yield_angle))
 

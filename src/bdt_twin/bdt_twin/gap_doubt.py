@@ -13,9 +13,9 @@ from bdt_twin.unknowns import SMALLEST_YIELD_ANGLE
 from bdt_twin.wave_problem import WaveProblem
 from bdt_twin.window_model import WindowModel
 
-YIELDING_DOUBT = 0.2
+YIELDING_DOUBT = 0.05
 """Share of the angle by which friction yields that is not told."""
-KNOWN_YIELDING, UNSEEN_YIELDING, UNEXPLAINED_YIELDING = 1.5e-3, 2e-3, 6e-3
+KNOWN_YIELDING, UNSEEN_YIELDING, UNEXPLAINED_YIELDING = 7e-4, 2e-3, 6e-3
 """Angles by which friction that yields may shift a gap beside what is told [rad]: where it is known
 to yield, and where it is thought to be rigid, for certain and where that is open."""
 ALIKE = 4.0

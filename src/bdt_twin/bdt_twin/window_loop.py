@@ -151,7 +151,8 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
         law, cogs = step.friction, step.cogs.periods_per_radian
         taken, yield_angle = law.coulomb * step.motor.resistance, step.yield_angle
         yields = taken > 0.0 and yield_angle > 0.0
-        # What the bend knows of the drives, against which it holds the motor.
+        # By how much the drives have bent friction that yields, which holds that against them, and
+        # the drives before a sample.
         bent_by, driven = np.zeros(DRIVE_COUNT), np.zeros(DRIVE_COUNT)
         per_turn = 1.0 / (yield_angle * back_emf) if yields else 0.0
         per_yielding = 1.0 / (yield_angle * yield_angle * taken) if yields else 0.0

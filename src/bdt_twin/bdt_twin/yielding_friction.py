@@ -1,12 +1,12 @@
 """Friction that yields before it slides (presliding), by Dahl's model.
 
-Surfaces touch at asperities, which bend like springs before they slip. Their mean bend z, from -1 to
-1, follows the motor's angle x (Dahl, 1968; LuGre's model is this with damping):
+Surfaces touch at asperities, which bend like springs before they slip. Their mean bend z, from -1
+to 1, follows the motor's angle x (Dahl, 1968; LuGre's model is this with damping):
 
     friction = F z,    dz = (dx - z |dx|) / theta_y,
 
-with the friction F of a motor that slides and the yield angle theta_y. From a reversal on friction is
-F (1 - 2 exp(-x / theta_y)).
+with the friction F of a motor that slides and the yield angle theta_y. From a reversal on friction
+is F (1 - 2 exp(-x / theta_y)).
 """
 
 from bdt_plant.elementary_functions import decaying_exponential

@@ -31,7 +31,7 @@ from bdt_study.calibration.whole_fit import (
     fit_reading_noise,
     fit_whole,
 )
-from bdt_study.calibration.yielding_search import yielding_fit
+from bdt_study.calibration.yielding_search import compare_frictions
 from bdt_twin.effect_trials import LATE_VOLTAGE, OTHER_TOP_MASS, THREAD_ERROR, EffectTrial
 from bdt_twin.fit_result import Fit
 from bdt_twin.gap_doubt import yielding_doubt
@@ -63,7 +63,6 @@ Search = Callable[[CalibrationWindow, Fit, MachineKnowledge], Fit | None]
 SEARCHES: tuple[tuple[tuple[str, ...], Search], ...] = (
     (("voltage_lag",), partial(trial_fit, trial=LATE_VOLTAGE)),
     *((names, partial(trial_fit, trial=trial)) for names, trial in TRIALS),
-    (("yield_angle",), yielding_fit),
 )
 """Searches with all data for what no window has found, or no window can tell."""
 
@@ -82,12 +81,16 @@ class Identification:
         The fit.
     joined : tuple of str
         Effects beside ``CALIBRATED_EFFECTS`` that the fit was looking for.
+    friction_doubt : float
+        Standard uncertainty of a gap because friction that is thought to be rigid may yield, or
+        the other way round [rad].
     """
 
     model: PlantModel
     window: CalibrationWindow
     fit: Fit
     joined: tuple[str, ...] = ()
+    friction_doubt: float = 0.0
 
     def gap_at(self, time: float) -> tuple[float, float]:
         """Return the gap at a time [s] and its standard uncertainty [rad]."""
@@ -99,7 +102,8 @@ class Identification:
             walk = max(self.fit.levels.fast, self.fit.levels.slow)
             hidden = HIDDEN_WALK * walk / self.model.lead_screw.pitch
             uncertainty = math.hypot(uncertainty, hidden)
-        return gap, math.hypot(uncertainty, yielding_doubt(self.fit, openness=0.0))
+        hidden = yielding_doubt(self.fit, openness=0.0)
+        return gap, math.hypot(uncertainty, hidden, self.friction_doubt)
 
     @property
     def explains(self) -> bool:
@@ -184,8 +188,14 @@ def _identify_near(
             found = search(window, fit, _known(model, with_it, expected))
             if found is not None:
                 fit, joined = found, with_it
+    doubt = 0.0
+    if "yield_angle" not in joined:
+        with_it = (*joined, "yield_angle")
+        yielding, doubt = compare_frictions(window, fit, _known(model, with_it, expected))
+        if yielding is not None:
+            fit, joined = yielding, with_it
     fit = best_of_valley(window, fit, _known(model, joined, expected))
-    return Identification(model, window, fit, joined)
+    return Identification(model, window, fit, joined, doubt)
 
 
 def _known(model: PlantModel, joined: Collection[str], expected: FloatArray) -> MachineKnowledge:
