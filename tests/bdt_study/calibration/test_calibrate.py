@@ -276,6 +276,7 @@ def test_friction_that_yields_before_it_slides_is_told_from_a_rigid_one(
     assert yields.unit == "rad"
     assert yields.value == pytest.approx(angle, rel=0.1)
     assert abs(found.gap - GAP) < min(math.radians(0.1), 3.0 * found.gap_uncertainty)
+    assert not any("whether friction yields" in each for each in hints(found))
     assert "yield_angle" not in result.constants
 
 
@@ -284,6 +285,8 @@ def test_where_data_do_not_tell_whether_friction_yields_the_gap_is_unsure(tmp_pa
     """With slow reversals, all alike, it was off by six and by eleven standard uncertainties."""
     found = calibration_of(replace(MACHINE, presliding=math.radians(degrees)), tmp_path, start)
     assert abs(found.gap - GAP) < 2.5 * found.gap_uncertainty
+    [hint] = [each for each in hints(found) if "whether friction yields" in each]
+    assert hint.endswith("would be told by quick reversals, before anything has come to rest")
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 from bdt_study.calibration.calibrate import Calibration
 from bdt_study.calibration.constant import GAP, Constant
+from bdt_study.calibration.finding import MOTION_OF
 from bdt_study.calibration.start_values import model_values
+from bdt_twin.gap_doubt import UNSEEN_YIELDING
 
 
 @dataclass(frozen=True)
@@ -55,9 +57,15 @@ def constant_rows(result: Calibration) -> list[ConstantRow]:
 
 
 def hints(result: Calibration) -> list[str]:
-    """Return for each constant that the data do not tell what would tell it."""
-    start = model_values(result.start)
-    return [
+    """Return for each constant that the data do not tell what would tell it.
+
+    Whether friction yields is no constant as long as it is not known, but may be what makes the gap
+    unsure.
+    """
+    start, doubt = model_values(result.start), result.found.friction_doubt
+    unsure = f"whether friction yields, which leaves {GAP} unsure by {doubt:.2g} rad"
+    open_friction = [f"{unsure}; would be told by {MOTION_OF['yield_angle']}"]
+    return (open_friction if doubt > UNSEEN_YIELDING else []) + [
         f"{_kept(name, each, start.get(name, each.value))}; would be told by {each.revealed_by}"
         for name, each in result.constants.items()
         if not each.determined

@@ -68,7 +68,7 @@ MOTION_OF = {
     "cogging_cosine": "slow motion over some millimeters",
     "friction_growth": "the same motion at the beginning and at the end",
     "friction_slope": "slow motion over more of the travel",
-    "yield_angle": "slow reversals, with rests",
+    "yield_angle": "quick reversals, before anything has come to rest",
     "voltage_lag": "quick reversals, before anything has come to rest",
     "top_mass": "steps that make both modes of the structure ring",
     "thread_sine": "slow motion over some turns of the screw",
