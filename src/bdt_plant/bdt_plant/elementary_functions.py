@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 
 LOGARITHM_OF_TWO = 0.6931471805599453
-PER_LOGARITHM_OF_TWO = 1.0 / LOGARITHM_OF_TWO
 HIGH_PART, LOW_PART = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 """The same in two parts, of which the high one times a whole number is exact."""
+PER_LOGARITHM_OF_TWO = 1.0 / LOGARITHM_OF_TWO
 FULL_TURN = 6.283185307179586
 EXPONENTIAL_SERIES = tuple(1.0 / math.factorial(order) for order in range(13, -1, -1))
 """Coefficients of Taylor's series of the exponential function, the last ones first."""
