@@ -3,7 +3,7 @@
 Surfaces touch at asperities, which bend like springs before they slip. Their mean bend z, from -1
 to 1, follows the motor's angle x (Dahl, 1968; LuGre's model is this with damping):
 
-    friction = F z,    dz = (dx - z |dx|) / theta_y,
+    friction = F z,    dz = (dx - z abs(dx)) / theta_y,
 
 with the friction F of a motor that slides and the yield angle theta_y. From a reversal on friction
 is F (1 - 2 exp(-x / theta_y)).
