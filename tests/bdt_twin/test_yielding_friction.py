@@ -137,9 +137,9 @@ def test_the_motor_moves_as_its_differential_equations_have_it(step_time, share)
 
 
 @pytest.mark.parametrize("step_time", [2e-4, 1e-3, 1e-2])
-@pytest.mark.parametrize("angle", [3e-4, ANGLE])
+@pytest.mark.parametrize(("angle", "beyond"), [(3e-4, 0.25), (ANGLE, 1e-3)])
 def test_a_motor_that_yields_comes_to_rest_where_friction_holds_it_whatever_the_step(
-    step_time, angle
+    step_time, angle, beyond
 ):
     """Also where a step is long for the stiffness of the asperities.
 
@@ -147,5 +147,5 @@ def test_a_motor_that_yields_comes_to_rest_where_friction_holds_it_whatever_the_
     """
     found = motion([0.15 * FRICTION_VOLTAGE] * round(5.0 / step_time), angle, step_time)
     held = -angle * math.log1p(-0.15)
-    assert held * (1.0 - 1e-3) < found[-1] < 1.25 * held
+    assert held * (1.0 - 1e-3) < found[-1] < held * (1.0 + beyond)
     assert np.abs(np.diff(found[-50:])).max() < 1e-9

@@ -230,10 +230,10 @@ def _window_loop(sources: str) -> Any:  # noqa: PLR0915 - one loop, compiled as 
                         drives[11] += felt * per_lag[k - 1]
                     if holds:
                         per_drive = (1.0 - ahead * bend) * per_turn
-                        share = 1.0 / (1.0 + felt * size * per_drive)
+                        yields_by = 1.0 / (1.0 + felt * size * per_drive)
                         for drive in range(DRIVE_COUNT):
                             moved = drives[drive] - driven[drive]
-                            moved = share * (moved - felt * size * bent_by[drive])
+                            moved = yields_by * (moved - felt * size * bent_by[drive])
                             drives[drive] = driven[drive] + moved
                             bent_by[drive] += per_drive * moved
                 angle = state.theta_d

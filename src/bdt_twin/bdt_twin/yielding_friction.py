@@ -83,10 +83,10 @@ def held_bend(bend: float, free: float, per_friction: float, yield_angle: float)
         left = way_left(turned, yield_angle)
         further = abs(free) - turned - most * (1.0 - left)
         further /= 1.0 + most * left / yield_angle
-        left *= 1.0 - further / yield_angle
         if further <= NEGLIGIBLE * yield_angle:
             break
         turned += further
+    left *= 1.0 - further / yield_angle
     return bend + weight * end * room * (1.0 - left)
 
 
@@ -101,7 +101,7 @@ def yielding_motor_step(
 ) -> MotorState:
     """Advance a motor with yielding friction by one step with `voltage` [V] held.
 
-    It is stable however stiff the asperities are; the error is of second order in the step.
+    It is stable however stiff the asperities are.
 
     Parameters
     ----------

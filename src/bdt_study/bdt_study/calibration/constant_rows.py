@@ -63,13 +63,15 @@ def hints(result: Calibration) -> list[str]:
     unsure.
     """
     start, doubt = model_values(result.start), result.found.friction_doubt
-    unsure = f"whether friction yields, which leaves {GAP} unsure by {doubt:.2g} rad"
-    open_friction = [f"{unsure}; would be told by {MOTION_OF['yield_angle']}"]
-    return (open_friction if doubt > UNSEEN_YIELDING else []) + [
-        f"{_kept(name, each, start.get(name, each.value))}; would be told by {each.revealed_by}"
+    untold = [
+        (_kept(name, each, start.get(name, each.value)), each.revealed_by)
         for name, each in result.constants.items()
         if not each.determined
     ]
+    if doubt > UNSEEN_YIELDING:
+        unsure = f"whether friction yields, which leaves {GAP} unsure by {doubt:.2g} rad"
+        untold.insert(0, (unsure, MOTION_OF["yield_angle"]))
+    return [f"{what}; would be told by {motion}" for what, motion in untold]
 
 
 def _kept(name: str, constant: Constant, start: float) -> str:

@@ -4,9 +4,8 @@ The estimator's own fit is used with a prior so wide that it says nothing.
 """
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,12 +58,8 @@ TRIALS: tuple[tuple[tuple[str, ...], EffectTrial], ...] = (
     (THREAD_PARTS, THREAD_ERROR),
 )
 """Effects that a fit does not find that begins without any, and how they are tried."""
-Search = Callable[[CalibrationWindow, Fit, MachineKnowledge], Fit | None]
-SEARCHES: tuple[tuple[tuple[str, ...], Search], ...] = (
-    (("voltage_lag",), partial(trial_fit, trial=LATE_VOLTAGE)),
-    *((names, partial(trial_fit, trial=trial)) for names, trial in TRIALS),
-)
-"""Searches with all data for what no window has found, or no window can tell."""
+SEARCHES = ((("voltage_lag",), LATE_VOLTAGE), *TRIALS)
+"""What all data are searched for where no window has found it, or no window can tell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,10 +177,10 @@ def _identify_near(
         fits.append(fit_machine_noise(problem, other))
     likely = [each for each in fits if is_plausible(each, known)]
     fit = min(likely or fits, key=lambda each: each.prediction_error)
-    for names, search in SEARCHES:
+    for names, trial in SEARCHES:
         if names[0] not in joined:
             with_it = (*joined, *names)
-            found = search(window, fit, _known(model, with_it, expected))
+            found = trial_fit(window, fit, _known(model, with_it, expected), trial)
             if found is not None:
                 fit, joined = found, with_it
     doubt = 0.0

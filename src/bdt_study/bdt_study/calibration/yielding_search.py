@@ -67,9 +67,9 @@ def compare_frictions(
         fits.append(fit_machine_noise(problem, fit_machine_noise(problem, begun)))
     angles = [float(each.unknowns.effects[YIELD_ANGLE]) for each in fits]
     best = min(fits, key=lambda each: each.prediction_error)
-    gain = best.gain_over(rigid)
-    yields = min(each.gain_over(rigid) for each in fits) >= GAIN and are_alike(angles, ALIKE)
-    against = 0.5 * (gain - GAIN) if yields else -gain
+    gains = [each.gain_over(rigid) for each in fits]
+    yields = min(gains) >= GAIN and are_alike(angles, ALIKE)
+    against = 0.5 * (max(gains) - GAIN) if yields else -max(gains)
     openness = min(max(1.0 - against / GAIN, 0.0), 1.0)
     difference = mean(np.abs(best.unknowns.gaps - rigid.unknowns.gaps))
     return FrictionComparison(best if yields else None, DIFFERENCE_DOUBT * openness * difference)
